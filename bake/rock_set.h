@@ -1,0 +1,53 @@
+/* What the baker hands to the pack writer: all unique rocks, in order, meshes already encoded. */
+#ifndef SCREE_ROCK_SET_H
+#define SCREE_ROCK_SET_H
+
+#include <scree/base.h>
+#include <scree/pack.h>
+
+#define ROCK_MAX_LODS 6
+#define ROCK_MAX_HULL 64
+
+/* A mesh on the pack's lattice, before encoding. */
+typedef struct lattice_mesh {
+  int16_t (*positions)[3]; /* lattice steps relative to the home cell's centre */
+  uint8_t* occlusion;      /* ambient visibility, one a vertex */
+  uint32_t* indices;       /* 3 a triangle, counter-clockwise from outside */
+  uint32_t vertex_count;
+  uint32_t triangle_count;
+  float error; /* cells */
+} lattice_mesh;
+
+typedef struct rock_lod {
+  uint8_t* blob; /* Draco bytes */
+  uint32_t blob_size;
+  uint32_t vertex_count; /* as decoded */
+  uint32_t triangle_count;
+  float error;
+  uint64_t digest; /* canonical, computed before encoding */
+} rock_lod;
+
+typedef struct rock_record {
+  uint32_t cell; /* unique cell; rocks are sorted by (cell, seed) */
+  uint32_t seed;
+  int16_t bounds_min[3], bounds_max[3];                  /* lattice steps */
+  float centroid[3], volume, inner_radius, outer_radius; /* cells */
+  int16_t (*hull)[3];                                    /* lattice steps */
+  uint32_t hull_count;
+  scree_contact* contacts;
+  uint32_t contact_count;
+  rock_lod lods[ROCK_MAX_LODS];
+} rock_record;
+
+typedef struct rock_set {
+  uint32_t cells_per_cube; /* N */
+  uint32_t lattice_per_cell;
+  uint32_t lod_count;
+  uint32_t cell_count;
+  uint32_t rock_count;
+  const uint32_t* cell_first; /* cell_count + 1 elements: rocks of cell c are cell_first[c] .. cell_first[c + 1] - 1 */
+  const rock_record* rocks;   /* rock_count */
+  const char* recipe;         /* JSON, NUL-terminated */
+} rock_set;
+
+#endif

@@ -1,0 +1,42 @@
+/* Meshes out of a pack: decodes a level of detail with Draco into vertices that a GPU takes as they are.
+ * This is the optional library scree::draco; the core runtime does not need it. */
+#ifndef SCREE_DRACO_H
+#define SCREE_DRACO_H
+
+#include "pack.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* 16 bytes, ready for a vertex buffer. */
+typedef struct scree_vertex {
+  int16_t position[3]; /* lattice steps relative to the home cell's centre; times cell_size / lattice_per_cell = metres */
+  uint8_t occlusion;   /* ambient visibility, 255 = open sky, 0 = wholly hidden; linear */
+  uint8_t material;    /* 0 = rock; others are reserved */
+  int16_t normal[3];   /* unit normal, signed normalised: value / 32767 */
+  int16_t padding;     /* 0 */
+} scree_vertex;
+
+/* Decodes LOD `lod` of rock `asset`.
+ *
+ * vertices: room for `vertex_capacity` elements. indices: room for `index_capacity` uint16 or uint32 elements, three a triangle,
+ * counter-clockwise seen from outside. The needed sizes are in scree_lod (vertices, 3 * triangles).
+ * Positions are the exact integers that were baked; normals are rebuilt, area-weighted, the same bits on every machine.
+ * Returns SCREE_OK, CAPACITY, INVALID_ARGUMENT, CORRUPT (bytes Draco refuses or that do not match the record) or OUT_OF_MEMORY.
+ * Thread safety: may be called from any number of threads at once on one pack. Draco allocates while it decodes. */
+SCREE_API scree_result scree_draco_decode_u16(const scree_pack* pack, uint32_t asset, uint32_t lod, scree_vertex* vertices,
+                                              size_t vertex_capacity, uint16_t* indices, size_t index_capacity);
+SCREE_API scree_result scree_draco_decode_u32(const scree_pack* pack, uint32_t asset, uint32_t lod, scree_vertex* vertices,
+                                              size_t vertex_capacity, uint32_t* indices, size_t index_capacity);
+
+/* The digest of a decoded mesh as the baker computes it before encoding: equal to scree_lod.digest when all is well. It does not
+ * depend on the order of vertices or triangles. */
+SCREE_API uint64_t scree_mesh_digest(const scree_vertex* vertices, size_t vertex_count, const uint32_t* indices,
+                                     size_t triangle_count);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,108 @@
+/* A pack: the baked file, opened and used in place. The bytes are described in docs/pack_format.md; this header is how a
+ * program reads them. A reader trusts nothing: a wrong offset, count or value gives a result code, in every build. */
+#ifndef SCREE_PACK_H
+#define SCREE_PACK_H
+
+#include "base.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct scree_pack scree_pack;
+
+/* Opens a pack that lies in memory. Checks the header and the section table only, so the cost does not depend on the number
+ * of assets; everything else is checked where it is read.
+ *
+ * bytes: `size` bytes, 8-byte aligned, which must stay unchanged until scree_pack_close; they are not copied.
+ * out: the pack, to be closed with scree_pack_close with the same allocator alive.
+ * allocator: NULL for malloc and free.
+ * Returns SCREE_OK, or NOT_A_PACK, VERSION, TRUNCATED, CORRUPT, OUT_OF_MEMORY. On failure *out is NULL.
+ * Thread safety: an open pack is immutable; any number of threads may read it. */
+SCREE_API scree_result scree_pack_open_memory(const void* bytes, size_t size, const scree_allocator* allocator, scree_pack** out);
+
+/* Maps a file and opens it as above; also returns SCREE_ERROR_IO. The file must not change while the pack is open. */
+SCREE_API scree_result scree_pack_open_file(const char* path, const scree_allocator* allocator, scree_pack** out);
+
+/* Closes a pack; NULL is allowed. Fields made from it must be gone. */
+SCREE_API void scree_pack_close(scree_pack* pack);
+
+/* Reads every byte and checks every digest that can be checked without decoding meshes: section digests and the pack digest.
+ * Returns SCREE_OK, SCREE_ERROR_DIGEST or SCREE_ERROR_CORRUPT. */
+SCREE_API scree_result scree_pack_verify(const scree_pack* pack);
+
+typedef struct scree_pack_info {
+  uint32_t format_version;
+  uint32_t cells_per_cube;     /* N, cells per side of a corner cube; the recipe's and the paper's n is N + 1 */
+  uint32_t lattice_per_cell;   /* lattice steps per cell: a vertex at `v` lies v / lattice_per_cell cells from its cell's centre */
+  uint32_t cell_count;         /* unique cells: 2 + 12(N-1) + 48(N-1)^2 + 256(N-1)^3 */
+  uint32_t asset_count;        /* unique rocks */
+  uint32_t lod_count;          /* levels of every asset, finest first, >= 1 */
+  uint32_t max_rocks_per_cell; /* the largest number of rocks of one cell, >= 1 */
+  float max_radius;            /* largest outer radius of all assets, cells */
+  uint64_t digest;             /* XXH3 over the canonical arrays of everything baked; compare this between builds */
+  const char* recipe;          /* the recipe's JSON, NUL-terminated, owned by the pack */
+  size_t recipe_size;          /* without the NUL */
+  size_t file_size;            /* bytes */
+} scree_pack_info;
+
+SCREE_API void scree_pack_get_info(const scree_pack* pack, scree_pack_info* out);
+
+/* One rock, without its meshes. Lengths in cells, positions relative to the centre of the rock's home cell. */
+typedef struct scree_asset {
+  uint32_t cell;          /* unique cell this rock belongs to */
+  uint32_t seed;          /* which of the cell's seeds */
+  float bounds_min[3];    /* of LOD 0 */
+  float bounds_max[3];    /* of LOD 0 */
+  float centroid[3];      /* centre of mass */
+  float volume;           /* cubic cells */
+  float inner_radius;     /* ball around the centroid that lies inside the rock */
+  float outer_radius;     /* ball around the centroid that holds the rock */
+  uint32_t contact_count; /* contacts with neighbours */
+  uint32_t hull_vertices; /* vertices of the convex hull, 4..64 */
+} scree_asset;
+
+/* Returns SCREE_OK, INVALID_ARGUMENT (asset out of range) or CORRUPT. */
+SCREE_API scree_result scree_pack_get_asset(const scree_pack* pack, uint32_t asset, scree_asset* out);
+
+/* One level of detail of one rock. */
+typedef struct scree_lod {
+  uint32_t vertices;
+  uint32_t triangles;
+  float error;         /* largest distance to LOD 0's surface, cells (object space); 0 for LOD 0 */
+  uint64_t digest;     /* of the canonical mesh, see docs/pack_format.md */
+  const uint8_t* blob; /* Draco bytes, inside the pack */
+  size_t blob_size;
+} scree_lod;
+
+SCREE_API scree_result scree_pack_get_lod(const scree_pack* pack, uint32_t asset, uint32_t lod, scree_lod* out);
+
+/* A point that two neighbouring rocks share and erosion spares. */
+typedef struct scree_contact {
+  int16_t position[3]; /* lattice steps, relative to the centre of the rock's home cell */
+  int8_t cell[3];      /* the neighbour's home cell relative to this rock's, each -1..1 */
+  uint8_t seed;        /* which rock of that cell */
+} scree_contact;
+
+/* Copies the contacts of a rock, ordered by (cell z, y, x, seed).
+ * contacts: `capacity` elements, may be NULL when capacity is 0. count: how many there are, always delivered.
+ * Returns SCREE_OK, CAPACITY, INVALID_ARGUMENT or CORRUPT. */
+SCREE_API scree_result scree_pack_get_contacts(const scree_pack* pack, uint32_t asset, scree_contact* contacts, uint32_t capacity,
+                                               uint32_t* count);
+
+/* Copies the vertices of the convex hull, 3 int16 each in lattice steps relative to the home cell's centre: what a physics
+ * engine takes as a convex shape. Same rules as above; capacity counts vertices. */
+SCREE_API scree_result scree_pack_get_hull(const scree_pack* pack, uint32_t asset, int16_t* xyz, uint32_t capacity,
+                                           uint32_t* count);
+
+/* The unique cell that stands in cell (x, y, z), each 0..N-1, of the tile with this code (0..255; bit dx + 2 dy + 4 dz is the
+ * colour of corner (dx, dy, dz)), and the rocks of a unique cell: assets first .. first + count - 1. */
+SCREE_API scree_result scree_pack_tile_cell(const scree_pack* pack, uint32_t code, uint32_t x, uint32_t y, uint32_t z,
+                                            uint32_t* cell);
+SCREE_API scree_result scree_pack_cell_assets(const scree_pack* pack, uint32_t cell, uint32_t* first, uint32_t* count);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,112 @@
+/* Supports: shapes, given as signed distances, that decide which rocks of a field exist. A support is a tree of shapes,
+ * described by an array of scree_shape and compiled once; it is immutable and may be shared between threads and fields. */
+#ifndef SCREE_SUPPORT_H
+#define SCREE_SUPPORT_H
+
+#include "base.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct scree_support scree_support;
+
+typedef enum scree_shape_kind {
+  SCREE_SHAPE_SPHERE = 0,
+  SCREE_SHAPE_BOX = 1,
+  SCREE_SHAPE_CAPSULE = 2,
+  SCREE_SHAPE_CYLINDER = 3,
+  SCREE_SHAPE_CONE = 4,
+  SCREE_SHAPE_HEIGHTFIELD = 5,
+  SCREE_SHAPE_MESH = 6,
+  SCREE_SHAPE_CALLBACK = 7,
+  SCREE_SHAPE_UNION = 8,
+  SCREE_SHAPE_INTERSECTION = 9,
+  SCREE_SHAPE_DIFFERENCE = 10,  /* the first child without all the others */
+  SCREE_SHAPE_SMOOTH_UNION = 11 /* polynomial smooth minimum over `blend` metres */
+} scree_shape_kind;
+
+/* From a shape's own space to its parent's: scale, then rotate, then translate. All zero means identity. */
+typedef struct scree_transform {
+  float translation[3]; /* metres */
+  float rotation[4];    /* unit quaternion x, y, z, w (glTF's order); all zero = none */
+  float scale;          /* uniform, > 0; 0 = 1 */
+} scree_transform;
+
+/* Signed distances of `count` points, metres, negative inside; x, y, z and distance have `count` elements. Must be a pure function
+ * and may be called from several threads. |f(p) - f(q)| <= lipschitz * |p - q| must hold. */
+typedef void (*scree_distance_fn)(void* user, const float* x, const float* y, const float* z, float* distance, uint32_t count);
+
+typedef struct scree_shape {
+  scree_shape_kind kind;
+  scree_transform transform;
+  union {
+    struct {
+      float radius;
+    } sphere; /* metres, > 0 */
+    struct {
+      float half[3];
+      float rounding;
+    } box; /* half extents > 0, rounding of edges >= 0 and <= the smallest half */
+    struct {
+      float a[3], b[3], radius;
+    } capsule; /* a segment and a radius > 0 */
+    struct {
+      float radius, half_height;
+    } cylinder; /* along Y, both > 0 */
+    struct {
+      float radius, height;
+    } cone; /* base on the plane y = 0, apex at y = height, both > 0 */
+    struct {
+      const float* heights;  /* width * depth metres, row-major, x fastest then z; copied */
+      uint32_t width, depth; /* samples, each >= 2 */
+      float spacing;         /* metres between samples, > 0; the field is centred on x = z = 0 */
+      float above, below;    /* the layer reaches from the surface + above to the surface - below; metres, above + below > 0 */
+    } heightfield;
+    struct {
+      const float* positions;  /* 3 * vertex_count; copied */
+      const uint32_t* indices; /* 3 * triangle_count, counter-clockwise from outside */
+      uint32_t vertex_count, triangle_count;
+      uint32_t resolution; /* cells of the distance grid along the longest side, 0 = 128, 8..512 */
+    } mesh;
+    struct {
+      scree_distance_fn distance;
+      void* user;           /* must outlive the support */
+      float lipschitz;      /* >= the true bound; 0 = 1 */
+      float min[3], max[3]; /* box that holds every point with distance <= 0 */
+    } callback;
+    struct {
+      const uint32_t* children; /* indices into scree_support_desc.shapes, each greater than this shape's own index */
+      uint32_t child_count;     /* >= 1 */
+      float blend;              /* SMOOTH_UNION: metres, > 0 */
+    } group;
+  };
+} scree_shape;
+
+typedef struct scree_support_desc {
+  const scree_shape* shapes; /* shape 0 is the root */
+  uint32_t shape_count;      /* >= 1 */
+  double origin[3];          /* where the root's space lies in the world, metres; keep shapes within some kilometres of it */
+  scree_jobs jobs;           /* used while mesh distance grids are built */
+} scree_support_desc;
+
+/* Compiles a support. Everything that `desc` points at is copied, callbacks' user pointers excepted.
+ * error: may be NULL; says which shape is wrong and how.
+ * Returns SCREE_OK, INVALID_ARGUMENT (tree order, NULLs), RANGE (a number outside its range or not finite), NOT_CLOSED (a mesh with
+ * a border; the error names an edge) or OUT_OF_MEMORY. */
+SCREE_API scree_result scree_support_create(const scree_support_desc* desc, const scree_allocator* allocator, scree_support** out,
+                                            scree_error* error);
+SCREE_API void scree_support_destroy(scree_support* support);
+
+/* The world box that holds the support. */
+SCREE_API void scree_support_bounds(const scree_support* support, double min[3], double max[3]);
+
+/* Signed distances of `count` world points relative to the support's origin, as the queries see them; the slow, plain way. */
+SCREE_API void scree_support_distance(const scree_support* support, const float* x, const float* y, const float* z, float* distance,
+                                      uint32_t count);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
