@@ -17,8 +17,9 @@ typedef struct scree_pack scree_pack;
  * bytes: `size` bytes, 8-byte aligned, which must stay unchanged until scree_pack_close; they are not copied.
  * out: the pack, to be closed with scree_pack_close with the same allocator alive.
  * allocator: NULL for malloc and free.
- * Returns SCREE_OK, or NOT_A_PACK, VERSION, TRUNCATED, CORRUPT, OUT_OF_MEMORY. On failure *out is NULL.
- * Thread safety: an open pack is immutable; any number of threads may read it. */
+ * Returns SCREE_OK, or NOT_A_PACK, VERSION, TRUNCATED, CORRUPT, DIGEST (of the header or the section table), INVALID_ARGUMENT
+ * (bytes not aligned), OUT_OF_MEMORY. On failure *out is NULL. Thread safety: an open pack is immutable; any number of threads may
+ * read it. */
 SCREE_API scree_result scree_pack_open_memory(const void* bytes, size_t size, const scree_allocator* allocator, scree_pack** out);
 
 /* Maps a file and opens it as above; also returns SCREE_ERROR_IO. The file must not change while the pack is open. */
@@ -40,7 +41,7 @@ typedef struct scree_pack_info {
   uint32_t lod_count;          /* levels of every asset, finest first, >= 1 */
   uint32_t max_rocks_per_cell; /* the largest number of rocks of one cell, >= 1 */
   float max_radius;            /* largest outer radius of all assets, cells */
-  uint64_t digest;             /* XXH3 over the canonical arrays of everything baked; compare this between builds */
+  uint64_t digest;             /* of everything baked, however it was encoded; compare this between builds */
   const char* recipe;          /* the recipe's JSON, NUL-terminated, owned by the pack */
   size_t recipe_size;          /* without the NUL */
   size_t file_size;            /* bytes */
@@ -67,8 +68,8 @@ SCREE_API scree_result scree_pack_get_asset(const scree_pack* pack, uint32_t ass
 
 /* One level of detail of one rock. */
 typedef struct scree_lod {
-  uint32_t vertices;
-  uint32_t triangles;
+  uint32_t vertices;   /* as decoded */
+  uint32_t triangles;  /* 0 where a rock is too small for the level: then there are no vertices and no blob */
   float error;         /* largest distance to LOD 0's surface, cells (object space); 0 for LOD 0 */
   uint64_t digest;     /* of the canonical mesh, see docs/pack_format.md */
   const uint8_t* blob; /* Draco bytes, inside the pack */

@@ -1,0 +1,195 @@
+#include "pack_writer.h"
+
+#include <string.h>
+
+#include "allocator.h"
+#include "lattice.h"
+#include "pack_format.h"
+
+/* Sizes and places of all sections, and where each is filled next. */
+typedef struct pack_layout {
+  pack_section sections[PACK_SECTION_KINDS];
+  uint64_t file_size;
+  uint32_t max_rocks_per_cell;
+  float max_radius;
+} pack_layout;
+
+static uint64_t round_up(uint64_t value, uint64_t unit) {
+  return (value + unit - 1) / unit * unit;
+}
+
+static scree_result place_sections(const uint64_t elements[PACK_SECTION_KINDS], pack_layout* layout) {
+  uint64_t end = sizeof(pack_header) + PACK_SECTION_KINDS * sizeof(pack_section);
+  for (uint32_t i = 0; i < PACK_SECTION_KINDS; ++i) {
+    pack_section* section = &layout->sections[i];
+    section->kind = i + 1;
+    section->element_size = pack_element_size(section->kind);
+    section->offset = round_up(end, PACK_ALIGNMENT);
+    section->size = elements[i] * section->element_size;
+    end = section->offset + section->size;
+  }
+  layout->file_size = end;
+  return end <= SIZE_MAX ? SCREE_OK : SCREE_ERROR_RANGE;
+}
+
+static scree_result measure(const rock_set* set, pack_layout* layout) {
+  if (set->cells_per_cube < 1 || set->cells_per_cube > PACK_MAX_CELLS_PER_CUBE) return SCREE_ERROR_RANGE;
+  if (set->lattice_per_cell < 1 || set->lattice_per_cell > PACK_MAX_LATTICE_PER_CELL) return SCREE_ERROR_RANGE;
+  if (set->lod_count < 1 || set->lod_count > ROCK_MAX_LODS) return SCREE_ERROR_RANGE;
+  if (set->rock_count < 1 || set->cell_count != lattice_cell_count(set->cells_per_cube)) return SCREE_ERROR_INVALID_ARGUMENT;
+  if (set->cell_first[0] != 0 || set->cell_first[set->cell_count] != set->rock_count) return SCREE_ERROR_INVALID_ARGUMENT;
+
+  for (uint32_t cell = 0; cell < set->cell_count; ++cell) {
+    if (set->cell_first[cell] > set->cell_first[cell + 1]) return SCREE_ERROR_INVALID_ARGUMENT;
+    const uint32_t rocks = set->cell_first[cell + 1] - set->cell_first[cell];
+    if (rocks > PACK_MAX_ROCKS_PER_CELL) return SCREE_ERROR_RANGE;
+    if (rocks > layout->max_rocks_per_cell) layout->max_rocks_per_cell = rocks;
+    for (uint32_t seed = 0; seed < rocks; ++seed) {
+      const rock_record* rock = &set->rocks[set->cell_first[cell] + seed];
+      if (rock->cell != cell || rock->seed != seed) return SCREE_ERROR_INVALID_ARGUMENT;
+    }
+  }
+
+  uint64_t contacts = 0, hull_vertices = 0, blob_bytes = 0;
+  for (uint32_t i = 0; i < set->rock_count; ++i) {
+    const rock_record* rock = &set->rocks[i];
+    if (rock->hull_count < PACK_MIN_HULL || rock->hull_count > PACK_MAX_HULL) return SCREE_ERROR_INVALID_ARGUMENT;
+    if (rock->contact_count > UINT16_MAX) return SCREE_ERROR_RANGE;
+    if (!(rock->outer_radius > 0)) return SCREE_ERROR_INVALID_ARGUMENT;
+    if (rock->outer_radius > layout->max_radius) layout->max_radius = rock->outer_radius;
+    contacts += rock->contact_count;
+    hull_vertices += rock->hull_count;
+    for (uint32_t lod = 0; lod < set->lod_count; ++lod) {
+      const rock_lod* level = &rock->lods[lod];
+      if (level->triangle_count > (uint64_t)level->blob_size * PACK_MAX_TRIANGLES_PER_BLOB_BYTE) return SCREE_ERROR_RANGE;
+      blob_bytes = round_up(blob_bytes, PACK_BLOB_UNIT) + level->blob_size;
+    }
+  }
+  if (contacts > UINT32_MAX || hull_vertices > UINT32_MAX || blob_bytes / PACK_BLOB_UNIT > UINT32_MAX) return SCREE_ERROR_RANGE;
+
+  const uint64_t n = set->cells_per_cube, lods = (uint64_t)set->rock_count * set->lod_count;
+  const uint64_t elements[PACK_SECTION_KINDS] = {
+      strlen(set->recipe) + 1,
+      256 * n * n * n,
+      set->cell_count + UINT64_C(1),
+      set->rock_count,
+      lods,
+      contacts,
+      hull_vertices,
+      lods,
+      blob_bytes,
+  };
+  return place_sections(elements, layout);
+}
+
+static void write_tiles(const rock_set* set, uint32_t* tiles) {
+  const uint32_t n = set->cells_per_cube;
+  for (uint32_t code = 0; code < 256; ++code)
+    for (uint32_t z = 0; z < n; ++z)
+      for (uint32_t y = 0; y < n; ++y)
+        for (uint32_t x = 0; x < n; ++x) *tiles++ = lattice_cell(n, code, x, y, z);
+}
+
+/* Where the next element of each section with elements of varying number goes. */
+typedef struct cursors {
+  uint32_t contact;
+  uint32_t hull;
+  uint64_t blob;
+} cursors;
+
+static void write_asset(const rock_record* rock, const cursors* at, pack_asset* out) {
+  *out = (pack_asset){
+      .cell = rock->cell,
+      .first_contact = at->contact,
+      .first_hull = at->hull,
+      .contact_count = (uint16_t)rock->contact_count,
+      .hull_count = (uint8_t)rock->hull_count,
+      .seed = (uint8_t)rock->seed,
+      .volume = rock->volume,
+      .inner_radius = rock->inner_radius,
+      .outer_radius = rock->outer_radius,
+  };
+  memcpy(out->bounds_min, rock->bounds_min, sizeof out->bounds_min);
+  memcpy(out->bounds_max, rock->bounds_max, sizeof out->bounds_max);
+  memcpy(out->centroid, rock->centroid, sizeof out->centroid);
+}
+
+static pack_contact contact_record(const scree_contact* contact) {
+  return (pack_contact){
+      .position = {contact->position[0], contact->position[1], contact->position[2]},
+      .neighbour = (uint8_t)(contact->cell[0] + 1 + 3 * (contact->cell[1] + 1) + 9 * (contact->cell[2] + 1)),
+      .seed = contact->seed,
+  };
+}
+
+static void write_lod(const rock_lod* level, cursors* at, pack_lod* record, pack_blob* blob, uint8_t* blobs) {
+  at->blob = round_up(at->blob, PACK_BLOB_UNIT);
+  *record = (pack_lod){.digest = level->digest, .triangles = level->triangle_count, .error = level->error};
+  *blob = (pack_blob){.offset = (uint32_t)(at->blob / PACK_BLOB_UNIT), .size = level->blob_size, .vertices = level->vertex_count};
+  if (level->blob_size > 0) memcpy(blobs + at->blob, level->blob, level->blob_size);
+  at->blob += level->blob_size;
+}
+
+static void write_rocks(const rock_set* set, const pack_layout* layout, uint8_t* bytes) {
+  pack_asset* assets = (pack_asset*)(void*)(bytes + layout->sections[PACK_ASSETS - 1].offset);
+  pack_lod* lods = (pack_lod*)(void*)(bytes + layout->sections[PACK_LODS - 1].offset);
+  pack_contact* contacts = (pack_contact*)(void*)(bytes + layout->sections[PACK_CONTACTS - 1].offset);
+  uint8_t* hulls = bytes + layout->sections[PACK_HULLS - 1].offset;
+  pack_blob* blob_index = (pack_blob*)(void*)(bytes + layout->sections[PACK_BLOB_INDEX - 1].offset);
+  uint8_t* blobs = bytes + layout->sections[PACK_BLOBS - 1].offset;
+
+  cursors at = {0, 0, 0};
+  for (uint32_t i = 0; i < set->rock_count; ++i) {
+    const rock_record* rock = &set->rocks[i];
+    write_asset(rock, &at, &assets[i]);
+    for (uint32_t lod = 0; lod < set->lod_count; ++lod) write_lod(&rock->lods[lod], &at, lods++, blob_index++, blobs);
+    for (uint32_t k = 0; k < rock->contact_count; ++k) contacts[at.contact++] = contact_record(&rock->contacts[k]);
+    memcpy(hulls + (size_t)at.hull * sizeof *rock->hull, rock->hull, rock->hull_count * sizeof *rock->hull);
+    at.hull += rock->hull_count;
+  }
+}
+
+static void seal(const rock_set* set, pack_layout* layout, uint8_t* bytes) {
+  const pack_section* sections[PACK_SECTION_KINDS];
+  for (uint32_t i = 0; i < PACK_SECTION_KINDS; ++i) {
+    pack_section* section = &layout->sections[i];
+    section->digest = pack_bytes_digest(bytes + section->offset, (size_t)section->size);
+    sections[i] = section;
+  }
+  memcpy(bytes + sizeof(pack_header), layout->sections, sizeof layout->sections);
+  pack_header header = {
+      .format_version = PACK_FORMAT_VERSION,
+      .section_count = PACK_SECTION_KINDS,
+      .file_size = layout->file_size,
+      .table_digest = pack_bytes_digest(layout->sections, sizeof layout->sections),
+      .cells_per_cube = set->cells_per_cube,
+      .lattice_per_cell = set->lattice_per_cell,
+      .lod_count = set->lod_count,
+      .max_rocks_per_cell = layout->max_rocks_per_cell,
+      .max_radius = layout->max_radius,
+  };
+  memcpy(header.magic, PACK_MAGIC, PACK_MAGIC_SIZE);
+  header.pack_digest = pack_digest(&header, sections);
+  header.header_check = pack_header_check(&header);
+  memcpy(bytes, &header, sizeof header);
+}
+
+scree_result pack_write(const rock_set* set, const scree_allocator* given, uint8_t** bytes, size_t* size) {
+  const scree_allocator allocator = allocator_or_default(given);
+  *bytes = NULL;
+  *size = 0;
+  pack_layout layout = {0};
+  scree_result result = measure(set, &layout);
+  if (result != SCREE_OK) return result;
+  /* Zeroed, so that the padding is. */
+  uint8_t* pack = allocate_zeroed(&allocator, (size_t)layout.file_size, 1);
+  if (pack == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
+  memcpy(pack + layout.sections[PACK_RECIPE - 1].offset, set->recipe, (size_t)layout.sections[PACK_RECIPE - 1].size);
+  write_tiles(set, (uint32_t*)(void*)(pack + layout.sections[PACK_TILES - 1].offset));
+  memcpy(pack + layout.sections[PACK_CELLS - 1].offset, set->cell_first, (size_t)layout.sections[PACK_CELLS - 1].size);
+  write_rocks(set, &layout, pack);
+  seal(set, &layout, pack);
+  *bytes = pack;
+  *size = (size_t)layout.file_size;
+  return SCREE_OK;
+}

@@ -1,0 +1,21 @@
+/* Vertex normals from a mesh on the lattice: the sum of the cross products of the triangles around a vertex, that is weighted by
+ * area. The sums are of integers and exact, so the order of triangles does not matter and every machine gets the same bits. */
+#ifndef SCREE_MESH_NORMALS_H
+#define SCREE_MESH_NORMALS_H
+
+#include <scree/draco.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Fills `normal` of every vertex from the positions. A vertex without area around it gets +Y.
+ * indices: 3 a triangle, each less than vertex_count. sums: vertex_count elements of scratch. */
+void mesh_normals(scree_vertex* vertices, uint32_t vertex_count, const uint32_t* indices, uint32_t triangle_count,
+                  int64_t (*sums)[4]);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

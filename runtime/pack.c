@@ -1,0 +1,266 @@
+/* The pack reader. Opening costs the same for every pack; what is not checked there is checked where it is read. */
+#include <math.h>
+#include <string.h>
+
+#include "allocator.h"
+#include "pack_internal.h"
+
+/* Finds the section of every kind and checks that the sections lie one behind the other, padded to 64 bytes and not more, up to
+ * the end of the file: then no two overlap and no byte belongs to none. */
+static scree_result read_section_table(scree_pack* pack) {
+  const pack_header* header = pack->header;
+  if (header->section_count < PACK_SECTION_KINDS || header->section_count > PACK_MAX_SECTIONS) return SCREE_ERROR_CORRUPT;
+  const size_t table_size = header->section_count * sizeof(pack_section);
+  if (pack->size - sizeof(pack_header) < table_size) return SCREE_ERROR_TRUNCATED;
+  const pack_section* table = (const pack_section*)(const void*)(pack->bytes + sizeof(pack_header));
+  if (pack_bytes_digest(table, table_size) != header->table_digest) return SCREE_ERROR_DIGEST;
+
+  uint64_t end = sizeof(pack_header) + table_size;
+  for (uint32_t i = 0; i < header->section_count; ++i) {
+    const pack_section* section = &table[i];
+    const uint64_t begin = (end + PACK_ALIGNMENT - 1) / PACK_ALIGNMENT * PACK_ALIGNMENT;
+    if (section->offset != begin || begin > pack->size || section->size > pack->size - begin) return SCREE_ERROR_CORRUPT;
+    if (section->element_size == 0 || section->size % section->element_size != 0) return SCREE_ERROR_CORRUPT;
+    end = begin + section->size;
+    if (section->kind == 0 || section->kind > PACK_SECTION_KINDS) continue;
+    if (section->element_size != pack_element_size(section->kind)) return SCREE_ERROR_CORRUPT;
+    if (pack->sections[section->kind - 1] != NULL) return SCREE_ERROR_CORRUPT;
+    pack->sections[section->kind - 1] = section;
+  }
+  if (end != pack->size) return SCREE_ERROR_CORRUPT;
+  for (uint32_t kind = 0; kind < PACK_SECTION_KINDS; ++kind)
+    if (pack->sections[kind] == NULL) return SCREE_ERROR_CORRUPT;
+  if (pack_digest(header, pack->sections) != header->pack_digest) return SCREE_ERROR_DIGEST;
+  return SCREE_OK;
+}
+
+static const void* section_bytes(const scree_pack* pack, uint32_t kind) {
+  return pack->bytes + pack->sections[kind - 1]->offset;
+}
+
+static uint64_t section_elements(const scree_pack* pack, uint32_t kind) {
+  return pack->sections[kind - 1]->size / pack->sections[kind - 1]->element_size;
+}
+
+/* Sets the typed views and checks that the lengths of all arrays agree. */
+static scree_result read_views(scree_pack* pack) {
+  const pack_header* header = pack->header;
+  const uint32_t n = header->cells_per_cube;
+  if (n < 1 || n > PACK_MAX_CELLS_PER_CUBE) return SCREE_ERROR_CORRUPT;
+  if (header->lattice_per_cell < 1 || header->lattice_per_cell > PACK_MAX_LATTICE_PER_CELL) return SCREE_ERROR_CORRUPT;
+  if (header->lod_count < 1 || header->lod_count > PACK_MAX_LODS) return SCREE_ERROR_CORRUPT;
+  if (header->max_rocks_per_cell < 1 || header->max_rocks_per_cell > PACK_MAX_ROCKS_PER_CELL) return SCREE_ERROR_CORRUPT;
+  if (!(header->max_radius > 0 && header->max_radius <= 16)) return SCREE_ERROR_CORRUPT;
+
+  pack->recipe = section_bytes(pack, PACK_RECIPE);
+  pack->tiles = section_bytes(pack, PACK_TILES);
+  pack->cells = section_bytes(pack, PACK_CELLS);
+  pack->assets = section_bytes(pack, PACK_ASSETS);
+  pack->lods = section_bytes(pack, PACK_LODS);
+  pack->contacts = section_bytes(pack, PACK_CONTACTS);
+  pack->hulls = section_bytes(pack, PACK_HULLS);
+  pack->blob_index = section_bytes(pack, PACK_BLOB_INDEX);
+  pack->blobs = section_bytes(pack, PACK_BLOBS);
+  pack->contact_count = section_elements(pack, PACK_CONTACTS);
+  pack->hull_count = section_elements(pack, PACK_HULLS);
+  pack->blob_bytes = section_elements(pack, PACK_BLOBS);
+
+  const uint64_t recipe_size = section_elements(pack, PACK_RECIPE);
+  if (recipe_size < 1 || pack->recipe[recipe_size - 1] != '\0') return SCREE_ERROR_CORRUPT;
+  if (section_elements(pack, PACK_TILES) != UINT64_C(256) * n * n * n) return SCREE_ERROR_CORRUPT;
+  const uint64_t cells = section_elements(pack, PACK_CELLS), assets = section_elements(pack, PACK_ASSETS);
+  if (cells < 2 || cells - 1 > UINT32_MAX || assets < 1 || assets > UINT32_MAX) return SCREE_ERROR_CORRUPT;
+  pack->cell_count = (uint32_t)(cells - 1);
+  pack->asset_count = (uint32_t)assets;
+  if (pack->cells[0] != 0 || pack->cells[pack->cell_count] != pack->asset_count) return SCREE_ERROR_CORRUPT;
+  if (section_elements(pack, PACK_LODS) != assets * header->lod_count) return SCREE_ERROR_CORRUPT;
+  if (section_elements(pack, PACK_BLOB_INDEX) != assets * header->lod_count) return SCREE_ERROR_CORRUPT;
+  return SCREE_OK;
+}
+
+static scree_result open_bytes(scree_pack* pack) {
+  const size_t seen = pack->size < PACK_MAGIC_SIZE ? pack->size : PACK_MAGIC_SIZE;
+  if (seen > 0 && memcmp(pack->bytes, PACK_MAGIC, seen) != 0) return SCREE_ERROR_NOT_A_PACK;
+  if (pack->size < sizeof(pack_header)) return SCREE_ERROR_TRUNCATED;
+  const pack_header* header = pack->header = (const pack_header*)(const void*)pack->bytes;
+  if (header->format_version != PACK_FORMAT_VERSION) return SCREE_ERROR_VERSION;
+  if (header->header_check != pack_header_check(header)) return SCREE_ERROR_DIGEST;
+  if (header->file_size > pack->size) return SCREE_ERROR_TRUNCATED;
+  if (header->file_size < pack->size) return SCREE_ERROR_CORRUPT;
+  scree_result result = read_section_table(pack);
+  return result == SCREE_OK ? read_views(pack) : result;
+}
+
+static scree_result open_with(const void* bytes, size_t size, mapped_file file, const scree_allocator* given, scree_pack** out) {
+  scree_allocator allocator = allocator_or_default(given);
+  scree_pack* pack = allocate_zeroed(&allocator, 1, sizeof *pack);
+  if (pack == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
+  pack->allocator = allocator;
+  pack->bytes = bytes;
+  pack->size = size;
+  scree_result result = open_bytes(pack);
+  if (result != SCREE_OK) {
+    release(&allocator, pack, 1, sizeof *pack);
+    return result;
+  }
+  pack->file = file;
+  *out = pack;
+  return SCREE_OK;
+}
+
+scree_result scree_pack_open_memory(const void* bytes, size_t size, const scree_allocator* allocator, scree_pack** out) {
+  if (out == NULL) return SCREE_ERROR_INVALID_ARGUMENT;
+  *out = NULL;
+  if ((bytes == NULL && size > 0) || (uintptr_t)bytes % 8 != 0) return SCREE_ERROR_INVALID_ARGUMENT;
+  return open_with(bytes, size, (mapped_file){NULL, 0}, allocator, out);
+}
+
+scree_result scree_pack_open_file(const char* path, const scree_allocator* allocator, scree_pack** out) {
+  if (out == NULL) return SCREE_ERROR_INVALID_ARGUMENT;
+  *out = NULL;
+  if (path == NULL) return SCREE_ERROR_INVALID_ARGUMENT;
+  mapped_file file;
+  if (!map_file(path, &file)) return SCREE_ERROR_IO;
+  scree_result result = open_with(file.bytes, file.size, file, allocator, out);
+  if (result != SCREE_OK) unmap_file(&file);
+  return result;
+}
+
+void scree_pack_close(scree_pack* pack) {
+  if (pack == NULL) return;
+  unmap_file(&pack->file);
+  scree_allocator allocator = pack->allocator;
+  release(&allocator, pack, 1, sizeof *pack);
+}
+
+void scree_pack_get_info(const scree_pack* pack, scree_pack_info* out) {
+  *out = (scree_pack_info){
+      .format_version = pack->header->format_version,
+      .cells_per_cube = pack->header->cells_per_cube,
+      .lattice_per_cell = pack->header->lattice_per_cell,
+      .cell_count = pack->cell_count,
+      .asset_count = pack->asset_count,
+      .lod_count = pack->header->lod_count,
+      .max_rocks_per_cell = pack->header->max_rocks_per_cell,
+      .max_radius = pack->header->max_radius,
+      .digest = pack->header->pack_digest,
+      .recipe = pack->recipe,
+      .recipe_size = (size_t)section_elements(pack, PACK_RECIPE) - 1,
+      .file_size = pack->size,
+  };
+}
+
+/* False for NaN too. */
+static bool within(float value, float limit) {
+  return value >= -limit && value <= limit;
+}
+
+/* A range of an array that holds `available` elements. */
+static bool range_fits(uint64_t first, uint64_t count, uint64_t available) {
+  return first <= available && count <= available - first;
+}
+
+scree_result scree_pack_get_asset(const scree_pack* pack, uint32_t asset, scree_asset* out) {
+  if (pack == NULL || out == NULL || asset >= pack->asset_count) return SCREE_ERROR_INVALID_ARGUMENT;
+  const pack_asset* record = &pack->assets[asset];
+  if (record->cell >= pack->cell_count || record->seed >= pack->header->max_rocks_per_cell) return SCREE_ERROR_CORRUPT;
+  if (!range_fits(record->first_contact, record->contact_count, pack->contact_count)) return SCREE_ERROR_CORRUPT;
+  if (record->hull_count < PACK_MIN_HULL || record->hull_count > PACK_MAX_HULL) return SCREE_ERROR_CORRUPT;
+  if (!range_fits(record->first_hull, record->hull_count, pack->hull_count)) return SCREE_ERROR_CORRUPT;
+  const float reach = pack->header->max_radius;
+  if (!(record->volume >= 0 && record->volume <= 8 * reach * reach * reach)) return SCREE_ERROR_CORRUPT;
+  if (!(record->outer_radius > 0 && record->outer_radius <= reach)) return SCREE_ERROR_CORRUPT;
+  if (!(record->inner_radius >= 0 && record->inner_radius <= record->outer_radius)) return SCREE_ERROR_CORRUPT;
+
+  const float steps = (float)pack->header->lattice_per_cell;
+  *out = (scree_asset){
+      .cell = record->cell,
+      .seed = record->seed,
+      .volume = record->volume,
+      .inner_radius = record->inner_radius,
+      .outer_radius = record->outer_radius,
+      .contact_count = record->contact_count,
+      .hull_vertices = record->hull_count,
+  };
+  for (int axis = 0; axis < 3; ++axis) {
+    if (record->bounds_min[axis] > record->bounds_max[axis] || !within(record->centroid[axis], 16)) return SCREE_ERROR_CORRUPT;
+    out->bounds_min[axis] = (float)record->bounds_min[axis] / steps;
+    out->bounds_max[axis] = (float)record->bounds_max[axis] / steps;
+    out->centroid[axis] = record->centroid[axis];
+  }
+  return SCREE_OK;
+}
+
+scree_result scree_pack_get_lod(const scree_pack* pack, uint32_t asset, uint32_t lod, scree_lod* out) {
+  if (pack == NULL || out == NULL || asset >= pack->asset_count || lod >= pack->header->lod_count)
+    return SCREE_ERROR_INVALID_ARGUMENT;
+  const size_t index = (size_t)asset * pack->header->lod_count + lod;
+  const pack_lod* record = &pack->lods[index];
+  const pack_blob* blob = &pack->blob_index[index];
+  const uint64_t offset = (uint64_t)blob->offset * PACK_BLOB_UNIT;
+  if (!range_fits(offset, blob->size, pack->blob_bytes)) return SCREE_ERROR_CORRUPT;
+  if (record->triangles > (uint64_t)blob->size * PACK_MAX_TRIANGLES_PER_BLOB_BYTE) return SCREE_ERROR_CORRUPT;
+  if (blob->vertices > (uint64_t)record->triangles * 3) return SCREE_ERROR_CORRUPT;
+  if (!(record->error >= 0 && record->error <= 16)) return SCREE_ERROR_CORRUPT;
+  *out = (scree_lod){
+      .vertices = blob->vertices,
+      .triangles = record->triangles,
+      .error = record->error,
+      .digest = record->digest,
+      .blob = pack->blobs + offset,
+      .blob_size = blob->size,
+  };
+  return SCREE_OK;
+}
+
+scree_result scree_pack_get_contacts(const scree_pack* pack, uint32_t asset, scree_contact* contacts, uint32_t capacity,
+                                     uint32_t* count) {
+  if (pack == NULL || count == NULL || asset >= pack->asset_count || (contacts == NULL && capacity > 0))
+    return SCREE_ERROR_INVALID_ARGUMENT;
+  const pack_asset* record = &pack->assets[asset];
+  *count = 0;
+  if (!range_fits(record->first_contact, record->contact_count, pack->contact_count)) return SCREE_ERROR_CORRUPT;
+  *count = record->contact_count;
+  const uint32_t copied = *count < capacity ? *count : capacity;
+  for (uint32_t i = 0; i < copied; ++i) {
+    const pack_contact* from = &pack->contacts[record->first_contact + (size_t)i];
+    if (from->neighbour >= PACK_NEIGHBOURS || from->seed >= pack->header->max_rocks_per_cell) return SCREE_ERROR_CORRUPT;
+    contacts[i] = (scree_contact){
+        .position = {from->position[0], from->position[1], from->position[2]},
+        .cell = {(int8_t)(from->neighbour % 3 - 1), (int8_t)(from->neighbour / 3 % 3 - 1), (int8_t)(from->neighbour / 9 - 1)},
+        .seed = from->seed,
+    };
+  }
+  return copied < *count ? SCREE_ERROR_CAPACITY : SCREE_OK;
+}
+
+scree_result scree_pack_get_hull(const scree_pack* pack, uint32_t asset, int16_t* xyz, uint32_t capacity, uint32_t* count) {
+  if (pack == NULL || count == NULL || asset >= pack->asset_count || (xyz == NULL && capacity > 0))
+    return SCREE_ERROR_INVALID_ARGUMENT;
+  const pack_asset* record = &pack->assets[asset];
+  *count = 0;
+  if (!range_fits(record->first_hull, record->hull_count, pack->hull_count)) return SCREE_ERROR_CORRUPT;
+  *count = record->hull_count;
+  const uint32_t copied = *count < capacity ? *count : capacity;
+  if (copied > 0) memcpy(xyz, pack->hulls + 3 * (size_t)record->first_hull, copied * 3 * sizeof(int16_t));
+  return copied < *count ? SCREE_ERROR_CAPACITY : SCREE_OK;
+}
+
+scree_result scree_pack_tile_cell(const scree_pack* pack, uint32_t code, uint32_t x, uint32_t y, uint32_t z, uint32_t* cell) {
+  if (pack == NULL || cell == NULL) return SCREE_ERROR_INVALID_ARGUMENT;
+  const uint32_t n = pack->header->cells_per_cube;
+  if (code >= 256 || x >= n || y >= n || z >= n) return SCREE_ERROR_INVALID_ARGUMENT;
+  const uint32_t value = pack->tiles[((code * n + z) * n + y) * n + x];
+  if (value >= pack->cell_count) return SCREE_ERROR_CORRUPT;
+  *cell = value;
+  return SCREE_OK;
+}
+
+scree_result scree_pack_cell_assets(const scree_pack* pack, uint32_t cell, uint32_t* first, uint32_t* count) {
+  if (pack == NULL || first == NULL || count == NULL || cell >= pack->cell_count) return SCREE_ERROR_INVALID_ARGUMENT;
+  const uint32_t begin = pack->cells[cell], end = pack->cells[cell + 1];
+  if (begin > end || end > pack->asset_count || end - begin > pack->header->max_rocks_per_cell) return SCREE_ERROR_CORRUPT;
+  *first = begin;
+  *count = end - begin;
+  return SCREE_OK;
+}

@@ -1,0 +1,38 @@
+/* The digests of a pack, shared by the reader and the writer. xxHash is compiled in, so that nothing of it is linked. */
+#include "pack_format.h"
+
+#define XXH_INLINE_ALL
+#include <string.h>
+#include <xxhash.h>
+
+uint32_t pack_element_size(uint32_t kind) {
+  switch (kind) {
+    case PACK_RECIPE: return 1;
+    case PACK_TILES: return 4;
+    case PACK_CELLS: return 4;
+    case PACK_ASSETS: return sizeof(pack_asset);
+    case PACK_LODS: return sizeof(pack_lod);
+    case PACK_CONTACTS: return sizeof(pack_contact);
+    case PACK_HULLS: return 3 * sizeof(int16_t);
+    case PACK_BLOB_INDEX: return sizeof(pack_blob);
+    case PACK_BLOBS: return 1;
+    default: return 0;
+  }
+}
+
+uint64_t pack_bytes_digest(const void* bytes, size_t size) {
+  return XXH3_64bits(bytes, size);
+}
+
+uint32_t pack_header_check(const pack_header* header) {
+  return (uint32_t)XXH3_64bits(header, offsetof(pack_header, header_check));
+}
+
+uint64_t pack_digest(const pack_header* header, const pack_section* sections[PACK_SECTION_KINDS]) {
+  enum { NUMBERS = offsetof(pack_header, header_check) - offsetof(pack_header, cells_per_cube) };
+  uint8_t canonical[NUMBERS + PACK_CANONICAL_KINDS * sizeof(uint64_t)];
+  memcpy(canonical, &header->cells_per_cube, NUMBERS);
+  for (size_t kind = 0; kind < PACK_CANONICAL_KINDS; ++kind)
+    memcpy(canonical + NUMBERS + kind * sizeof(uint64_t), &sections[kind]->digest, sizeof(uint64_t));
+  return XXH3_64bits(canonical, sizeof canonical);
+}

@@ -1,0 +1,37 @@
+/* An open pack, as the files of the runtime that read packs see it. */
+#ifndef SCREE_PACK_INTERNAL_H
+#define SCREE_PACK_INTERNAL_H
+
+#include <scree/pack.h>
+
+#include "map_file.h"
+#include "pack_format.h"
+
+/* Typed views of the mapped sections. The sizes of all arrays were checked against one another on opening; their contents were
+ * not, and are checked where they are read. */
+struct scree_pack {
+  scree_allocator allocator;
+  mapped_file file; /* empty when the bytes are the caller's */
+  const uint8_t* bytes;
+  size_t size;
+  const pack_header* header;
+  const pack_section* sections[PACK_SECTION_KINDS]; /* by kind - 1 */
+
+  const char* recipe;
+  const uint32_t* tiles;
+  const uint32_t* cells;
+  const pack_asset* assets;
+  const pack_lod* lods;
+  const pack_contact* contacts;
+  const int16_t* hulls;
+  const pack_blob* blob_index;
+  const uint8_t* blobs;
+
+  uint32_t cell_count;
+  uint32_t asset_count;
+  uint64_t contact_count;
+  uint64_t hull_count; /* vertices */
+  uint64_t blob_bytes;
+};
+
+#endif

@@ -1,0 +1,58 @@
+/* Checking a whole pack: every byte against its digest, then every record against the rules of the format. */
+#include <string.h>
+
+#include "pack_internal.h"
+
+static bool all_zero(const uint8_t* bytes, size_t size) {
+  for (size_t i = 0; i < size; ++i)
+    if (bytes[i] != 0) return false;
+  return true;
+}
+
+static scree_result verify_bytes(const scree_pack* pack) {
+  const pack_section* table = (const pack_section*)(const void*)(pack->bytes + sizeof(pack_header));
+  uint64_t end = sizeof(pack_header) + pack->header->section_count * sizeof(pack_section);
+  for (uint32_t i = 0; i < pack->header->section_count; ++i) {
+    const pack_section* section = &table[i];
+    if (!all_zero(pack->bytes + end, (size_t)(section->offset - end))) return SCREE_ERROR_DIGEST;
+    if (pack_bytes_digest(pack->bytes + section->offset, (size_t)section->size) != section->digest) return SCREE_ERROR_DIGEST;
+    end = section->offset + section->size;
+  }
+  return SCREE_OK;
+}
+
+static scree_result verify_tables(const scree_pack* pack) {
+  const uint32_t n = pack->header->cells_per_cube;
+  for (uint32_t i = 0; i < 256 * n * n * n; ++i)
+    if (pack->tiles[i] >= pack->cell_count) return SCREE_ERROR_CORRUPT;
+  for (uint32_t cell = 0; cell < pack->cell_count; ++cell) {
+    uint32_t first, count;
+    scree_result result = scree_pack_cell_assets(pack, cell, &first, &count);
+    if (result != SCREE_OK) return result;
+    for (uint32_t asset = first; asset < first + count; ++asset)
+      if (pack->assets[asset].cell != cell || pack->assets[asset].seed != asset - first) return SCREE_ERROR_CORRUPT;
+  }
+  return strlen(pack->recipe) + 1 == pack->sections[PACK_RECIPE - 1]->size ? SCREE_OK : SCREE_ERROR_CORRUPT;
+}
+
+static scree_result verify_asset(const scree_pack* pack, uint32_t asset) {
+  scree_asset record;
+  scree_result result = scree_pack_get_asset(pack, asset, &record);
+  for (uint32_t lod = 0; lod < pack->header->lod_count && result == SCREE_OK; ++lod) {
+    scree_lod level;
+    result = scree_pack_get_lod(pack, asset, lod, &level);
+  }
+  for (uint32_t i = 0; result == SCREE_OK && i < record.contact_count; ++i) {
+    const pack_contact* contact = &pack->contacts[pack->assets[asset].first_contact + (size_t)i];
+    if (contact->neighbour >= PACK_NEIGHBOURS || contact->seed >= pack->header->max_rocks_per_cell) result = SCREE_ERROR_CORRUPT;
+  }
+  return result;
+}
+
+scree_result scree_pack_verify(const scree_pack* pack) {
+  if (pack == NULL) return SCREE_ERROR_INVALID_ARGUMENT;
+  scree_result result = verify_bytes(pack);
+  if (result == SCREE_OK) result = verify_tables(pack);
+  for (uint32_t asset = 0; asset < pack->asset_count && result == SCREE_OK; ++asset) result = verify_asset(pack, asset);
+  return result;
+}
