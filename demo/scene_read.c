@@ -1,0 +1,363 @@
+/* Scenes from JSON. Every limit here is a limit of content/schema/scene.schema.json too. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "file.h"
+#include "json_reader.h"
+#include "scene.h"
+
+#define FILE_LIMIT ((size_t)16 << 20)
+
+static const json_limits any_place = {-1e9, 1e9, false, false};
+static const json_limits any_angle = {-36000, 36000, false, false};
+static const json_limits positive = {0, 1e6, true, false};
+static const json_limits not_negative = {0, 1e6, false, false};
+static const json_limits any_height = {-1e5, 1e5, false, false};
+
+/* Says "a number > 0" rather than naming the far limit, which nobody meets by mistake. */
+static bool positive_number(json_reader* r, const cJSON* object, const char* key, double* out) {
+  static const json_limits above_zero = {0, HUGE_VAL, true, false};
+  return json_number(r, object, key, above_zero, out) && json_number(r, object, key, positive, out);
+}
+
+static bool require(json_reader* r, const cJSON* object, const char* key) {
+  if (r->result != SCREE_OK) return false;
+  return cJSON_GetObjectItemCaseSensitive(object, key) != NULL || json_fail(r, key, "key is missing");
+}
+
+static bool require_text(json_reader* r, const cJSON* object, const char* key, size_t capacity, char* out) {
+  if (!require(r, object, key) || !json_string(r, object, key, capacity, out)) return false;
+  return out[0] != '\0' || json_fail(r, key, "expected text, got \"\"");
+}
+
+static bool is_zero(const double v[3]) {
+  return v[0] == 0 && v[1] == 0 && v[2] == 0;
+}
+
+static bool read_height_map(json_reader* r, const cJSON* object, scene_height_map* out) {
+  bool good = require_text(r, object, "file", sizeof out->file, out->file) &&
+              positive_number(r, object, "spacing", &out->spacing) && json_number(r, object, "low", any_height, &out->low) &&
+              json_number(r, object, "high", any_height, &out->high) &&
+              json_integers(r, object, "crop", SCENE_CROP_MAX, 4, out->crop);
+  if (!good) return false;
+  if (!(out->low < out->high)) return json_fail(r, "high", "expected a number > low (%g), got %g", out->low, out->high);
+  bool cropped = cJSON_HasObjectItem(object, "crop");
+  if (cropped && (out->crop[2] < 2 || out->crop[3] < 2)) return json_fail(r, "crop", "expected at least 2 columns and 2 rows");
+  return true;
+}
+
+static bool read_camera(json_reader* r, const cJSON* value, scene_camera* out) {
+  static const char* const keys[] = {"eye", "target", "fov", NULL};
+  static const json_limits fov = {1, 170, false, false};
+  if (!json_check_object(r, value, keys, NULL) || !json_vector(r, value, "eye", any_place, 3, out->eye) ||
+      !json_vector(r, value, "target", any_place, 3, out->target) || !json_number(r, value, "fov", fov, &out->fov))
+    return false;
+  double away[3];
+  for (int i = 0; i < 3; ++i) away[i] = out->eye[i] - out->target[i];
+  return !is_zero(away) || json_fail(r, "target", "expected another point than eye");
+}
+
+static bool read_sun(json_reader* r, const cJSON* value, scene_sun* out) {
+  static const char* const keys[] = {"direction", "colour", NULL};
+  static const json_limits any_direction = {-1e6, 1e6, false, false};
+  if (!json_check_object(r, value, keys, NULL) || !json_vector(r, value, "direction", any_direction, 3, out->direction) ||
+      !json_colour(r, value, "colour", out->colour))
+    return false;
+  return !is_zero(out->direction) || json_fail(r, "direction", "expected a vector that is not zero");
+}
+
+static bool read_ground(json_reader* r, const cJSON* value, scene_ground* out) {
+  static const char* const any[] = {"kind", "colour", NULL};
+  static const char* const none[] = {NULL};
+  static const char* const plane[] = {"height", NULL};
+  static const char* const terrain[] = {"file", "spacing", "low", "high", "crop", "position", NULL};
+  char kind[16] = "plane";
+  if (!cJSON_IsObject(value)) return json_fail_expected(r, NULL, "an object", value);
+  if (!json_string(r, value, "kind", sizeof kind, kind)) return false;
+  const char* const* keys;
+  if (strcmp(kind, "none") == 0) {
+    out->kind = SCENE_GROUND_NONE;
+    keys = none;
+  } else if (strcmp(kind, "plane") == 0) {
+    out->kind = SCENE_GROUND_PLANE;
+    keys = plane;
+  } else if (strcmp(kind, "terrain") == 0) {
+    out->kind = SCENE_GROUND_TERRAIN;
+    keys = terrain;
+  } else {
+    return json_fail(r, "kind", "expected \"none\", \"plane\" or \"terrain\", got \"%s\"", kind);
+  }
+  if (!json_check_object(r, value, any, keys) || !json_colour(r, value, "colour", out->colour)) return false;
+  if (out->kind == SCENE_GROUND_PLANE) return json_number(r, value, "height", any_place, &out->height);
+  if (out->kind == SCENE_GROUND_NONE) return true;
+  return read_height_map(r, value, &out->map) && json_vector(r, value, "position", any_place, 3, out->position);
+}
+
+static bool read_palette(json_reader* r, const cJSON* value, scene_palette* out) {
+  static const char* const keys[] = {"colours", "variation", NULL};
+  static const json_limits share = {0, 1, false, false};
+  if (!json_check_object(r, value, keys, NULL) || !json_number(r, value, "variation", share, &out->variation)) return false;
+  const cJSON* colours = cJSON_GetObjectItemCaseSensitive(value, "colours");
+  if (colours == NULL) return true;
+  size_t before = json_enter_key(r, "colours");
+  int count = cJSON_IsArray(colours) ? cJSON_GetArraySize(colours) : 0;
+  bool good = count >= 1 && count <= SCENE_PALETTE_MAX;
+  if (!good) {
+    json_fail_expected(r, NULL, "an array of 1..8 colours", colours);
+    colours = NULL;
+  }
+  out->colour_count = 0;
+  const cJSON* item;
+  cJSON_ArrayForEach(item, colours) {
+    size_t element = json_enter_index(r, out->colour_count);
+    good = good && json_colour_value(r, item, out->colours[out->colour_count++]);
+    json_leave(r, element);
+  }
+  json_leave(r, before);
+  return good;
+}
+
+static bool kind_from_name(const char* name, scree_shape_kind* out) {
+  for (int kind = 0; kind <= SCREE_SHAPE_SMOOTH_UNION; ++kind) {
+    const char* known = scene_kind_name((scree_shape_kind)kind);
+    if (known != NULL && strcmp(known, name) == 0) {
+      *out = (scree_shape_kind)kind;
+      return true;
+    }
+  }
+  return false;
+}
+
+static const char* const* keys_of_kind(scree_shape_kind kind) {
+  static const char* const sphere[] = {"radius", NULL};
+  static const char* const box[] = {"half", "rounding", NULL};
+  static const char* const capsule[] = {"a", "b", "radius", NULL};
+  static const char* const cylinder[] = {"radius", "half_height", NULL};
+  static const char* const cone[] = {"radius", "height", NULL};
+  static const char* const heightfield[] = {"file", "spacing", "low", "high", "crop", "above", "below", NULL};
+  static const char* const mesh[] = {"file", "resolution", NULL};
+  static const char* const group[] = {"children", NULL};
+  static const char* const smooth[] = {"children", "blend", NULL};
+  switch (kind) {
+    case SCREE_SHAPE_SPHERE: return sphere;
+    case SCREE_SHAPE_BOX: return box;
+    case SCREE_SHAPE_CAPSULE: return capsule;
+    case SCREE_SHAPE_CYLINDER: return cylinder;
+    case SCREE_SHAPE_CONE: return cone;
+    case SCREE_SHAPE_HEIGHTFIELD: return heightfield;
+    case SCREE_SHAPE_MESH: return mesh;
+    case SCREE_SHAPE_SMOOTH_UNION: return smooth;
+    case SCREE_SHAPE_CALLBACK:
+    case SCREE_SHAPE_UNION:
+    case SCREE_SHAPE_INTERSECTION:
+    case SCREE_SHAPE_DIFFERENCE: break;
+  }
+  return group;
+}
+
+static bool read_parameters(json_reader* r, const cJSON* value, scene_node* node) {
+  switch (node->kind) {
+    case SCREE_SHAPE_SPHERE: return positive_number(r, value, "radius", &node->sphere.radius);
+    case SCREE_SHAPE_BOX: {
+      double* half = node->box.half;
+      if (!json_vector(r, value, "half", positive, 3, half) ||
+          !json_number(r, value, "rounding", not_negative, &node->box.rounding))
+        return false;
+      double least = fmin(half[0], fmin(half[1], half[2]));
+      return node->box.rounding <= least || json_fail(r, "rounding", "expected at most the smallest half extent, %g", least);
+    }
+    case SCREE_SHAPE_CAPSULE:
+      return json_vector(r, value, "a", any_place, 3, node->capsule.a) &&
+             json_vector(r, value, "b", any_place, 3, node->capsule.b) &&
+             positive_number(r, value, "radius", &node->capsule.radius);
+    case SCREE_SHAPE_CYLINDER:
+      return positive_number(r, value, "radius", &node->cylinder.radius) &&
+             positive_number(r, value, "half_height", &node->cylinder.half_height);
+    case SCREE_SHAPE_CONE:
+      return positive_number(r, value, "radius", &node->cone.radius) && positive_number(r, value, "height", &node->cone.height);
+    case SCREE_SHAPE_HEIGHTFIELD:
+      if (!read_height_map(r, value, &node->heightfield.map) ||
+          !json_number(r, value, "above", any_height, &node->heightfield.above) ||
+          !json_number(r, value, "below", any_height, &node->heightfield.below))
+        return false;
+      return node->heightfield.above + node->heightfield.below > 0 || json_fail(r, "below", "expected above + below > 0");
+    case SCREE_SHAPE_MESH: {
+      uint64_t resolution = 0;
+      if (!require_text(r, value, "file", sizeof node->mesh.file, node->mesh.file)) return false;
+      if (!cJSON_HasObjectItem(value, "resolution")) return true;
+      if (!json_integer(r, value, "resolution", 8, SCENE_MESH_RESOLUTION, &resolution)) return false;
+      node->mesh.resolution = (uint32_t)resolution;
+      return true;
+    }
+    case SCREE_SHAPE_SMOOTH_UNION: return positive_number(r, value, "blend", &node->group.blend);
+    case SCREE_SHAPE_CALLBACK:
+    case SCREE_SHAPE_UNION:
+    case SCREE_SHAPE_INTERSECTION:
+    case SCREE_SHAPE_DIFFERENCE: break;
+  }
+  return true;
+}
+
+static scene_node* read_node(json_reader* r, const cJSON* value, uint32_t depth, uint32_t* nodes);
+
+static bool read_children(json_reader* r, const cJSON* value, uint32_t depth, uint32_t* nodes, scene_node* parent) {
+  if (!require(r, value, "children")) return false;
+  const cJSON* children = cJSON_GetObjectItemCaseSensitive(value, "children");
+  if (!cJSON_IsArray(children) || children->child == NULL)
+    return json_fail_expected(r, "children", "an array of at least one shape", children);
+  size_t before = json_enter_key(r, "children");
+  const cJSON* item;
+  cJSON_ArrayForEach(item, children) {
+    size_t element = json_enter_index(r, parent->child_count);
+    scene_node* child = read_node(r, item, depth + 1, nodes);
+    if (child != NULL && !scene_node_add(parent, child)) {
+      scene_node_destroy(child);
+      json_fail_memory(r);
+    }
+    json_leave(r, element);
+    if (r->result != SCREE_OK) break;
+  }
+  json_leave(r, before);
+  return r->result == SCREE_OK;
+}
+
+static scene_node* read_node(json_reader* r, const cJSON* value, uint32_t depth, uint32_t* nodes) {
+  static const char* const any[] = {"shape", "name", "position", "rotation", "scale", NULL};
+  char word[16] = "";
+  scree_shape_kind kind;
+  if (r->result != SCREE_OK) return NULL;
+  if (!cJSON_IsObject(value)) {
+    json_fail_expected(r, NULL, "an object", value);
+    return NULL;
+  }
+  if (depth >= SCENE_DEPTH_MAX || ++*nodes > SCENE_NODES_MAX) {
+    json_fail(r, NULL, "expected at most %d levels and %d shapes", SCENE_DEPTH_MAX, SCENE_NODES_MAX);
+    return NULL;
+  }
+  if (!require(r, value, "shape") || !json_string(r, value, "shape", sizeof word, word)) return NULL;
+  if (!kind_from_name(word, &kind)) {
+    json_fail(r, "shape",
+              "expected sphere, box, capsule, cylinder, cone, heightfield, mesh, union, intersection, difference or smooth_union, "
+              "got \"%s\"",
+              word);
+    return NULL;
+  }
+  if (!json_check_object(r, value, any, keys_of_kind(kind))) return NULL;
+  scene_node* node = scene_node_create(kind);
+  if (node == NULL) {
+    json_fail_memory(r);
+    return NULL;
+  }
+  bool good = json_string(r, value, "name", sizeof node->name, node->name) &&
+              json_vector(r, value, "position", any_place, 3, node->position) &&
+              json_vector(r, value, "rotation", any_angle, 3, node->rotation) && positive_number(r, value, "scale", &node->scale) &&
+              read_parameters(r, value, node);
+  if (good && scene_kind_is_group(kind)) good = read_children(r, value, depth, nodes, node);
+  if (good) return node;
+  scene_node_destroy(node);
+  return NULL;
+}
+
+static bool read_field(json_reader* r, const cJSON* value, scene_field* out) {
+  static const char* const keys[] = {"name",      "pack",  "seed",    "cell_size", "origin",
+                                     "threshold", "shell", "palette", "support",   NULL};
+  static const json_limits share = {0, 1, true, true};
+  bool good = json_check_object(r, value, keys, NULL) && json_string(r, value, "name", sizeof out->name, out->name) &&
+              require_text(r, value, "pack", sizeof out->pack, out->pack) &&
+              json_integer(r, value, "seed", 0, UINT64_C(1) << 53, &out->seed) &&
+              positive_number(r, value, "cell_size", &out->cell_size) &&
+              json_vector(r, value, "origin", any_place, 3, out->origin) &&
+              json_number(r, value, "threshold", share, &out->threshold) && json_bool(r, value, "shell", &out->shell);
+  const cJSON* palette = good ? cJSON_GetObjectItemCaseSensitive(value, "palette") : NULL;
+  if (palette != NULL) {
+    size_t before = json_enter_key(r, "palette");
+    good = read_palette(r, palette, &out->palette);
+    json_leave(r, before);
+  }
+  if (!good || !require(r, value, "support")) return false;
+  uint32_t nodes = 0;
+  size_t before = json_enter_key(r, "support");
+  out->support = read_node(r, cJSON_GetObjectItemCaseSensitive(value, "support"), 0, &nodes);
+  json_leave(r, before);
+  return out->support != NULL;
+}
+
+static bool read_fields(json_reader* r, const cJSON* root, scene_model* out) {
+  if (!require(r, root, "fields")) return false;
+  const cJSON* fields = cJSON_GetObjectItemCaseSensitive(root, "fields");
+  if (!cJSON_IsArray(fields) || cJSON_GetArraySize(fields) > SCENE_FIELDS_MAX)
+    return json_fail_expected(r, "fields", "an array of at most 64 fields", fields);
+  size_t before = json_enter_key(r, "fields");
+  const cJSON* item;
+  cJSON_ArrayForEach(item, fields) {
+    size_t element = json_enter_index(r, out->field_count);
+    scene_field* field = scene_add_field(out);
+    if (field == NULL) {
+      json_fail_memory(r);
+    } else {
+      read_field(r, item, field);
+    }
+    json_leave(r, element);
+    if (r->result != SCREE_OK) break;
+  }
+  json_leave(r, before);
+  return r->result == SCREE_OK;
+}
+
+static bool read_scene(json_reader* r, const cJSON* root, scene_model* out) {
+  static const char* const keys[] = {"$schema", "name", "camera", "sun", "sky", "ground", "fields", NULL};
+  if (!json_check_object(r, root, keys, NULL) || !json_string(r, root, "$schema", sizeof out->schema, out->schema) ||
+      !json_string(r, root, "name", sizeof out->name, out->name))
+    return false;
+  bool good = true;
+  const cJSON* camera = cJSON_GetObjectItemCaseSensitive(root, "camera");
+  if (camera != NULL) {
+    size_t before = json_enter_key(r, "camera");
+    good = read_camera(r, camera, &out->camera);
+    json_leave(r, before);
+  }
+  const cJSON* sun = cJSON_GetObjectItemCaseSensitive(root, "sun");
+  if (good && sun != NULL) {
+    size_t before = json_enter_key(r, "sun");
+    good = read_sun(r, sun, &out->sun);
+    json_leave(r, before);
+  }
+  good = good && json_colour(r, root, "sky", out->sky);
+  const cJSON* ground = cJSON_GetObjectItemCaseSensitive(root, "ground");
+  if (good && ground != NULL) {
+    size_t before = json_enter_key(r, "ground");
+    good = read_ground(r, ground, &out->ground);
+    json_leave(r, before);
+  }
+  return good && read_fields(r, root, out);
+}
+
+scree_result scene_parse(const char* text, size_t size, const char* file, scene_model* out, scree_error* error) {
+  scene_init(out);
+  json_reader reader = {.file = file, .error = error};
+  char* copy = malloc(size + 1);
+  if (copy == NULL) {
+    json_fail_memory(&reader);
+    return reader.result;
+  }
+  memcpy(copy, text, size);
+  copy[size] = '\0';
+  cJSON* root = json_parse(&reader, copy, size);
+  if (root != NULL) read_scene(&reader, root, out);
+  cJSON_Delete(root);
+  free(copy);
+  if (reader.result != SCREE_OK) scene_destroy(out);
+  return reader.result;
+}
+
+scree_result scene_load(const char* file, scene_model* out, scree_error* error) {
+  memset(out, 0, sizeof *out);
+  char* text;
+  size_t size;
+  scree_result result = file_read(file, FILE_LIMIT, &text, &size, error);
+  if (result != SCREE_OK) return result;
+  result = scene_parse(text, size, file, out, error);
+  free(text);
+  return result;
+}

@@ -1,0 +1,272 @@
+/* Scenes to JSON: every key in a fixed order, short arrays on one line, numbers as short as they can be read back. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "file.h"
+#include "scene.h"
+#include "text.h"
+
+static void key(text_buffer* t, uint32_t indent, const char* name) {
+  text_indent(t, indent);
+  text_string(t, name);
+  text_add(t, ": ");
+}
+
+static void end(text_buffer* t, bool last) {
+  text_add(t, last ? "\n" : ",\n");
+}
+
+static void number_key(text_buffer* t, uint32_t indent, const char* name, double value) {
+  key(t, indent, name);
+  text_number(t, value);
+}
+
+static void string_key(text_buffer* t, uint32_t indent, const char* name, const char* value) {
+  key(t, indent, name);
+  text_string(t, value);
+}
+
+static void vector_key(text_buffer* t, uint32_t indent, const char* name, const double* value) {
+  key(t, indent, name);
+  text_add(t, "[");
+  for (int i = 0; i < 3; ++i) {
+    if (i > 0) text_add(t, ", ");
+    text_number(t, value[i]);
+  }
+  text_add(t, "]");
+}
+
+static void colour(text_buffer* t, const float value[3]) {
+  int channel[3];
+  for (int i = 0; i < 3; ++i) channel[i] = (int)floorf(fminf(fmaxf(value[i], 0.0f), 1.0f) * 255.0f + 0.5f);
+  text_format(t, "\"#%02x%02x%02x\"", channel[0], channel[1], channel[2]);
+}
+
+static void colour_key(text_buffer* t, uint32_t indent, const char* name, const float value[3]) {
+  key(t, indent, name);
+  colour(t, value);
+}
+
+/* All but the end of the last line. */
+static void write_height_map(text_buffer* t, uint32_t indent, const scene_height_map* map) {
+  string_key(t, indent, "file", map->file);
+  end(t, false);
+  number_key(t, indent, "spacing", map->spacing);
+  end(t, false);
+  number_key(t, indent, "low", map->low);
+  end(t, false);
+  number_key(t, indent, "high", map->high);
+  if (map->crop[2] == 0) return;
+  end(t, false);
+  key(t, indent, "crop");
+  text_format(t, "[%u, %u, %u, %u]", map->crop[0], map->crop[1], map->crop[2], map->crop[3]);
+}
+
+static bool is_zero(const double v[3]) {
+  return v[0] == 0 && v[1] == 0 && v[2] == 0;
+}
+
+static void write_parameters(text_buffer* t, uint32_t indent, const scene_node* node) {
+  switch (node->kind) {
+    case SCREE_SHAPE_SPHERE: number_key(t, indent, "radius", node->sphere.radius); break;
+    case SCREE_SHAPE_BOX:
+      vector_key(t, indent, "half", node->box.half);
+      end(t, false);
+      number_key(t, indent, "rounding", node->box.rounding);
+      break;
+    case SCREE_SHAPE_CAPSULE:
+      vector_key(t, indent, "a", node->capsule.a);
+      end(t, false);
+      vector_key(t, indent, "b", node->capsule.b);
+      end(t, false);
+      number_key(t, indent, "radius", node->capsule.radius);
+      break;
+    case SCREE_SHAPE_CYLINDER:
+      number_key(t, indent, "radius", node->cylinder.radius);
+      end(t, false);
+      number_key(t, indent, "half_height", node->cylinder.half_height);
+      break;
+    case SCREE_SHAPE_CONE:
+      number_key(t, indent, "radius", node->cone.radius);
+      end(t, false);
+      number_key(t, indent, "height", node->cone.height);
+      break;
+    case SCREE_SHAPE_HEIGHTFIELD:
+      write_height_map(t, indent, &node->heightfield.map);
+      end(t, false);
+      number_key(t, indent, "above", node->heightfield.above);
+      end(t, false);
+      number_key(t, indent, "below", node->heightfield.below);
+      break;
+    case SCREE_SHAPE_MESH:
+      string_key(t, indent, "file", node->mesh.file);
+      if (node->mesh.resolution == 0) break;
+      end(t, false);
+      key(t, indent, "resolution");
+      text_format(t, "%u", node->mesh.resolution);
+      break;
+    case SCREE_SHAPE_SMOOTH_UNION:
+      number_key(t, indent, "blend", node->group.blend);
+      end(t, false);
+      break;
+    case SCREE_SHAPE_CALLBACK:
+    case SCREE_SHAPE_UNION:
+    case SCREE_SHAPE_INTERSECTION:
+    case SCREE_SHAPE_DIFFERENCE: break;
+  }
+}
+
+static void write_node(text_buffer* t, uint32_t indent, const scene_node* node) {
+  const char* word = scene_kind_name(node->kind);
+  text_add(t, "{\n");
+  string_key(t, indent + 1, "shape", word != NULL ? word : "");
+  end(t, false);
+  if (node->name[0] != '\0') {
+    string_key(t, indent + 1, "name", node->name);
+    end(t, false);
+  }
+  if (!is_zero(node->position)) {
+    vector_key(t, indent + 1, "position", node->position);
+    end(t, false);
+  }
+  if (!is_zero(node->rotation)) {
+    vector_key(t, indent + 1, "rotation", node->rotation);
+    end(t, false);
+  }
+  if (node->scale != 1) {
+    number_key(t, indent + 1, "scale", node->scale);
+    end(t, false);
+  }
+  write_parameters(t, indent + 1, node);
+  if (scene_kind_is_group(node->kind)) {
+    key(t, indent + 1, "children");
+    text_add(t, "[\n");
+    for (uint32_t i = 0; i < node->child_count; ++i) {
+      text_indent(t, indent + 2);
+      write_node(t, indent + 2, node->children[i]);
+      end(t, i + 1 == node->child_count);
+    }
+    text_indent(t, indent + 1);
+    text_add(t, "]");
+  }
+  end(t, true);
+  text_indent(t, indent);
+  text_add(t, "}");
+}
+
+static void write_field(text_buffer* t, const scene_field* field) {
+  text_add(t, "{\n");
+  if (field->name[0] != '\0') {
+    string_key(t, 3, "name", field->name);
+    end(t, false);
+  }
+  string_key(t, 3, "pack", field->pack);
+  end(t, false);
+  key(t, 3, "seed");
+  text_format(t, "%llu", (unsigned long long)field->seed);
+  end(t, false);
+  number_key(t, 3, "cell_size", field->cell_size);
+  end(t, false);
+  vector_key(t, 3, "origin", field->origin);
+  end(t, false);
+  number_key(t, 3, "threshold", field->threshold);
+  end(t, false);
+  key(t, 3, "shell");
+  text_add(t, field->shell ? "true" : "false");
+  end(t, false);
+  key(t, 3, "palette");
+  text_add(t, "{\n");
+  key(t, 4, "colours");
+  text_add(t, "[");
+  for (uint32_t i = 0; i < field->palette.colour_count; ++i) {
+    if (i > 0) text_add(t, ", ");
+    colour(t, field->palette.colours[i]);
+  }
+  text_add(t, "],\n");
+  number_key(t, 4, "variation", field->palette.variation);
+  end(t, true);
+  text_indent(t, 3);
+  text_add(t, "}");
+  if (field->support != NULL) {
+    end(t, false);
+    key(t, 3, "support");
+    write_node(t, 3, field->support);
+  }
+  end(t, true);
+  text_indent(t, 2);
+  text_add(t, "}");
+}
+
+static void write_ground(text_buffer* t, const scene_ground* ground) {
+  static const char* const kinds[] = {"none", "plane", "terrain"};
+  text_add(t, "{\n");
+  string_key(t, 2, "kind", kinds[ground->kind]);
+  end(t, false);
+  colour_key(t, 2, "colour", ground->colour);
+  if (ground->kind == SCENE_GROUND_PLANE) {
+    end(t, false);
+    number_key(t, 2, "height", ground->height);
+  } else if (ground->kind == SCENE_GROUND_TERRAIN) {
+    end(t, false);
+    write_height_map(t, 2, &ground->map);
+    end(t, false);
+    vector_key(t, 2, "position", ground->position);
+  }
+  end(t, true);
+  text_indent(t, 1);
+  text_add(t, "}");
+}
+
+char* scene_write(const scene_model* scene, size_t* size) {
+  text_buffer t = {0};
+  text_add(&t, "{\n");
+  if (scene->schema[0] != '\0') {
+    string_key(&t, 1, "$schema", scene->schema);
+    end(&t, false);
+  }
+  string_key(&t, 1, "name", scene->name);
+  end(&t, false);
+  key(&t, 1, "camera");
+  text_add(&t, "{\n");
+  vector_key(&t, 2, "eye", scene->camera.eye);
+  end(&t, false);
+  vector_key(&t, 2, "target", scene->camera.target);
+  end(&t, false);
+  number_key(&t, 2, "fov", scene->camera.fov);
+  text_add(&t, "\n  },\n");
+  key(&t, 1, "sun");
+  text_add(&t, "{\n");
+  vector_key(&t, 2, "direction", scene->sun.direction);
+  end(&t, false);
+  colour_key(&t, 2, "colour", scene->sun.colour);
+  text_add(&t, "\n  },\n");
+  colour_key(&t, 1, "sky", scene->sky);
+  end(&t, false);
+  key(&t, 1, "ground");
+  write_ground(&t, &scene->ground);
+  end(&t, false);
+  key(&t, 1, "fields");
+  text_add(&t, "[");
+  for (uint32_t i = 0; i < scene->field_count; ++i) {
+    text_add(&t, i > 0 ? ",\n" : "\n");
+    text_indent(&t, 2);
+    write_field(&t, &scene->fields[i]);
+  }
+  text_add(&t, scene->field_count > 0 ? "\n  ]\n}\n" : "]\n}\n");
+  return text_take(&t, size);
+}
+
+scree_result scene_save(const scene_model* scene, const char* file, scree_error* error) {
+  size_t size;
+  char* text = scene_write(scene, &size);
+  if (text == NULL) return fail_with(error, SCREE_ERROR_OUT_OF_MEMORY, "%s: out of memory", file);
+  file_replacement replacement;
+  scree_result result = file_replace_begin(file, &replacement, error);
+  if (result == SCREE_OK) {
+    fwrite(text, 1, size, replacement.stream);
+    result = file_replace_commit(&replacement, error);
+  }
+  free(text);
+  return result;
+}
