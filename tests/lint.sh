@@ -66,6 +66,21 @@ if ((${#demo[@]})); then
 fi
 finding_lines "C++ outside the files that touch a C++ library" < <(ours '*.cc' '*.cxx' '*.hpp' '*.hh')
 
+mapfile -t lists < <(ours '*CMakeLists.txt')
+for source in "${c_sources[@]}" "${cxx_sources[@]}"; do
+  grep -qE "(^|[^[:alnum:]_])${source##*/}([^[:alnum:]_]|\$)" "${lists[@]}" || finding "built by nobody: $source is in no CMakeLists.txt"
+done
+
+echo "-- links of the documents"
+mapfile -t documents < <(ours '*.md')
+while IFS=: read -r document link; do
+  target=${link%%#*}
+  [[ -z $target || $target == *://* || -e $(dirname "$document")/$target ]] || finding "link: $document points at $target, which is not there"
+done < <(grep -oE '\]\([^)]+\)' "${documents[@]}" | sed -E 's/\]\((.*)\)/\1/')
+while read -r size picture; do
+  ((size <= 600000)) || finding "picture: $picture has $size bytes, at most 600000"
+done < <(ours 'docs/*.png' | xargs -r stat -c '%s %n')
+
 echo "-- JSON and schemas"
 finding_lines json < <(ours '*.json' | /usr/bin/python3 tests/check_json.py || true)
 
