@@ -1,0 +1,297 @@
+/* All unique rocks of a recipe: one job a tile code, one worker's scratch a thread, results by rock, so that neither the order nor
+ * the number of threads shows in the pack. */
+#include <math.h>
+#include <stdatomic.h>
+#include <string.h>
+
+#include "bake_internal.h"
+#include "clock.h"
+#include "draco_encode.h"
+#include "lattice.h"
+#include "pack_writer.h"
+#include "recipe.h"
+
+#define TILES 256
+
+/* Unique cells in the order of the tile that they are baked in: cells[first[code]] .. */
+static scree_result sort_cells(bake_run* out) {
+  const uint32_t n = out->seeds.n;
+  out->cell_count = lattice_cell_count(n);
+  out->cells = allocate(&out->allocator, out->cell_count, sizeof *out->cells);
+  out->cell_rocks = allocate(&out->allocator, (size_t)out->cell_count + 1, sizeof *out->cell_rocks);
+  if (out->cells == NULL || out->cell_rocks == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
+  memset(out->tile_first, 0, sizeof out->tile_first);
+  uint32_t code, x, y, z, count;
+  uint32_t rocks = 0;
+  for (uint32_t cell = 0; cell < out->cell_count; ++cell) {
+    lattice_cell_place(n, cell, &code, &x, &y, &z);
+    ++out->tile_first[code + 1];
+    seeds_of_cell(&out->seeds, code, (int32_t)x, (int32_t)y, (int32_t)z, &count);
+    out->cell_rocks[cell] = rocks;
+    rocks += count;
+  }
+  out->cell_rocks[out->cell_count] = rocks;
+  out->slot_count = rocks;
+  for (uint32_t tile = 0; tile < TILES; ++tile) out->tile_first[tile + 1] += out->tile_first[tile];
+  uint32_t next[TILES];
+  memcpy(next, out->tile_first, sizeof next);
+  for (uint32_t cell = 0; cell < out->cell_count; ++cell) {
+    lattice_cell_place(n, cell, &code, &x, &y, &z);
+    out->cells[next[code]++] = cell;
+  }
+  return SCREE_OK;
+}
+
+scree_result bake_begin(const scree_bake_desc* desc, bool plain_kernels, bake_run* out) {
+  memset(out, 0, sizeof *out);
+  out->allocator = allocator_or_default(&desc->allocator);
+  out->recipe = *desc->recipe;
+  out->kernels = kernels_choose(plain_kernels);
+  out->worker_count = desc->jobs.parallel_for == NULL ? 1 : desc->jobs.worker_count;
+  scree_result result = recipe_check_all(desc->recipe, NULL);
+  if (result == SCREE_OK) result = seed_set_create(&out->recipe, &out->allocator, &out->seeds);
+  if (result == SCREE_OK) result = block_tables_create(out->recipe.voxels_per_cell, &out->allocator, &out->tables);
+  if (result == SCREE_OK) result = sort_cells(out);
+  if (result == SCREE_OK) {
+    out->workers = allocate_zeroed(&out->allocator, out->worker_count, sizeof *out->workers);
+    if (out->workers == NULL) result = SCREE_ERROR_OUT_OF_MEMORY;
+  }
+  for (uint32_t w = 0; w < out->worker_count && result == SCREE_OK; ++w) {
+    bake_worker* worker = &out->workers[w];
+    result = rock_worker_create(&out->recipe, &out->seeds, &out->tables, out->kernels, &out->allocator, &worker->rock);
+    if (result == SCREE_OK) result = rock_mesher_create(&worker->rock, out->recipe.lattice_steps, &out->allocator, &worker->mesher);
+  }
+  if (result != SCREE_OK) bake_end(out);
+  return result;
+}
+
+void bake_end(bake_run* bake) {
+  for (uint32_t w = 0; bake->workers != NULL && w < bake->worker_count; ++w) {
+    rock_mesher_destroy(&bake->workers[w].mesher);
+    rock_worker_destroy(&bake->workers[w].rock, &bake->allocator);
+  }
+  release(&bake->allocator, bake->workers, bake->worker_count, sizeof *bake->workers);
+  release(&bake->allocator, bake->cells, bake->cell_count, sizeof *bake->cells);
+  release(&bake->allocator, bake->cell_rocks, (size_t)bake->cell_count + 1, sizeof *bake->cell_rocks);
+  block_tables_destroy(&bake->tables, &bake->allocator);
+  seed_set_destroy(&bake->seeds, &bake->allocator);
+  memset(bake, 0, sizeof *bake);
+}
+
+bool bake_rock_field(bake_run* bake, bake_worker* worker, uint32_t cell, uint32_t seed) {
+  uint32_t code, x, y, z;
+  lattice_cell_place(bake->seeds.n, cell, &code, &x, &y, &z);
+  if (!worker->started || worker->rock.blocks.code != code) block_cache_begin(&worker->rock.blocks, code);
+  worker->started = true;
+  if (!rock_voronoi(&worker->rock, (int32_t)x, (int32_t)y, (int32_t)z, seed)) return false;
+  /* Planes and noise belong to the unique rock, not to its seed: stones that share a seed differ all the more. */
+  const uint64_t key = hash_combine(hash_combine(bake->recipe.random_seed, UINT64_C(0x70c4)), (uint64_t)cell << 8 | seed);
+  return rock_erode(&worker->rock, key) > 0;
+}
+
+/* --- The whole set. --- */
+
+typedef struct set_bake {
+  bake_run* bake;
+  const scree_bake_desc* desc;
+  rock_record* rocks; /* by slot: rocks that came out empty have no hull */
+  atomic_uint tiles_done;
+  atomic_flag reporting; /* set while a worker is inside desc->progress; others do not wait, the next one reports */
+  uint32_t reported;     /* guarded by it */
+  atomic_int failure;    /* first scree_result that was not SCREE_OK */
+} set_bake;
+
+static void free_record(rock_record* rock, const scree_allocator* allocator) {
+  release(allocator, rock->hull, rock->hull_count, sizeof *rock->hull);
+  release(allocator, rock->contacts, rock->contact_count, sizeof *rock->contacts);
+  for (uint32_t level = 0; level < ROCK_MAX_LODS; ++level)
+    release(allocator, rock->lods[level].blob, rock->lods[level].blob_size, 1);
+}
+
+static scree_result copy_contacts(const bake_run* bake, const rock_worker* worker, rock_record* out) {
+  out->contact_count = worker->contact_count;
+  if (out->contact_count == 0) return SCREE_OK;
+  out->contacts = allocate_zeroed(&bake->allocator, out->contact_count, sizeof *out->contacts);
+  if (out->contacts == NULL) {
+    out->contact_count = 0;
+    return SCREE_ERROR_OUT_OF_MEMORY;
+  }
+  for (uint32_t c = 0; c < out->contact_count; ++c) {
+    const rock_contact* from = &worker->contacts[c];
+    for (int axis = 0; axis < 3; ++axis) {
+      const double lattice = (double)from->position[axis] * bake->recipe.lattice_steps / UNITS_PER_VOXEL;
+      out->contacts[c].position[axis] = (int16_t)floor(lattice + 0.5);
+      out->contacts[c].cell[axis] = from->cell[axis];
+    }
+    out->contacts[c].seed = from->seed;
+  }
+  return SCREE_OK;
+}
+
+scree_result bake_rock(bake_run* bake, bake_worker* worker, uint32_t cell, uint32_t seed, rock_record* out) {
+  if (!bake_rock_field(bake, worker, cell, seed)) return SCREE_OK;
+  const scree_recipe* recipe = &bake->recipe;
+  double start = clock_seconds();
+  scree_result result = rock_mesh(&worker->mesher, &worker->rock, recipe->lod_levels);
+  if (result != SCREE_OK) return result;
+  out->cell = cell;
+  out->seed = seed;
+  rock_mass(&worker->mesher, 1.0f / (float)(recipe->lattice_steps * recipe->voxels_per_cell), out);
+  int16_t hull[ROCK_MAX_HULL][3];
+  const uint32_t hull_count = rock_hull(&worker->mesher, recipe->hull_vertices, hull);
+  out->hull = allocate(&bake->allocator, hull_count, sizeof *out->hull);
+  if (out->hull == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
+  out->hull_count = hull_count;
+  memcpy(out->hull, hull, hull_count * sizeof *hull);
+  result = copy_contacts(bake, &worker->rock, out);
+  double now = clock_seconds();
+  worker->mesh_seconds += now - start;
+  for (uint32_t level = 0; level < recipe->lod_levels && result == SCREE_OK; ++level) {
+    const mesh_buffer* mesh = &worker->mesher.meshes[level];
+    const lattice_mesh source = {mesh->positions,    mesh->occlusion,       mesh->indices,
+                                 mesh->vertex_count, mesh->index_count / 3, worker->mesher.errors[level]};
+    result = draco_encode(&source, &bake->allocator, &out->lods[level]);
+    out->lods[level].error = source.error;
+  }
+  worker->encode_seconds += clock_seconds() - now;
+  return result;
+}
+
+static void bake_tile(void* context, uint32_t tile, uint32_t worker_number) {
+  set_bake* set = context;
+  bake_run* bake = set->bake;
+  bake_worker* worker = &bake->workers[worker_number];
+  for (uint32_t i = bake->tile_first[tile]; i < bake->tile_first[tile + 1]; ++i) {
+    const uint32_t cell = bake->cells[i], first = bake->cell_rocks[cell], count = bake->cell_rocks[cell + 1] - first;
+    for (uint32_t seed = 0; seed < count; ++seed) {
+      if (atomic_load_explicit(&set->failure, memory_order_relaxed) != SCREE_OK) return;
+      const scree_result result = bake_rock(bake, worker, cell, seed, &set->rocks[first + seed]);
+      if (result != SCREE_OK) atomic_store(&set->failure, (int)result);
+    }
+  }
+  const uint32_t done = atomic_fetch_add(&set->tiles_done, 1) + 1;
+  if (set->desc->progress == NULL || atomic_flag_test_and_set(&set->reporting)) return;
+  if (done > set->reported) {
+    set->reported = done;
+    if (!set->desc->progress(set->desc->progress_user, "rocks", (double)done / TILES))
+      atomic_store(&set->failure, (int)SCREE_ERROR_CANCELLED);
+  }
+  atomic_flag_clear(&set->reporting);
+}
+
+static void add_stage(scree_bake_report* report, const char* name, double seconds) {
+  report->stages[report->stage_count++] = (scree_bake_stage){name, seconds};
+}
+
+static void fill_report(const set_bake* set, const rock_set* rocks, double seconds, double write_seconds,
+                        scree_bake_report* report) {
+  memset(report, 0, sizeof *report);
+  report->rocks = rocks->rock_count;
+  for (uint32_t r = 0; r < rocks->rock_count; ++r) {
+    report->contacts += rocks->rocks[r].contact_count;
+    for (uint32_t level = 0; level < rocks->lod_count; ++level)
+      report->lod_triangles[level] += rocks->rocks[r].lods[level].triangle_count;
+  }
+  for (uint32_t level = 0; level < rocks->lod_count; ++level) report->triangles += report->lod_triangles[level];
+  double stage[5] = {0};
+  for (uint32_t w = 0; w < set->bake->worker_count; ++w) {
+    const bake_worker* worker = &set->bake->workers[w];
+    for (int i = 0; i < 3; ++i) stage[i] += worker->rock.seconds[i];
+    stage[3] += worker->mesh_seconds;
+    stage[4] += worker->encode_seconds;
+  }
+  add_stage(report, "voronoi", stage[0]);
+  add_stage(report, "contacts", stage[1]);
+  add_stage(report, "erosion", stage[2]);
+  add_stage(report, "meshes", stage[3]);
+  add_stage(report, "draco", stage[4]);
+  add_stage(report, "write", write_seconds);
+  report->seconds = seconds;
+}
+
+scree_result scree_bake_rocks(const scree_bake_desc* desc, uint8_t** bytes, size_t* size, scree_bake_report* report,
+                              scree_error* error) {
+  const double start = clock_seconds();
+  *bytes = NULL;
+  *size = 0;
+  if (error != NULL) memset(error, 0, sizeof *error);
+  scree_result result = recipe_check_all(desc->recipe, error);
+  if (result != SCREE_OK) return result;
+  bake_run bake;
+  result = bake_begin(desc, false, &bake);
+  if (result != SCREE_OK) return result;
+
+  set_bake set = {.bake = &bake, .desc = desc};
+  atomic_init(&set.failure, SCREE_OK);
+  atomic_init(&set.tiles_done, 0);
+  atomic_flag_clear(&set.reporting);
+  set.rocks = allocate_zeroed(&bake.allocator, bake.slot_count, sizeof *set.rocks);
+  uint32_t* cell_first = allocate(&bake.allocator, (size_t)bake.cell_count + 1, sizeof *cell_first);
+  if (set.rocks == NULL || cell_first == NULL) result = SCREE_ERROR_OUT_OF_MEMORY;
+  if (result == SCREE_OK) {
+    if (desc->jobs.parallel_for != NULL)
+      desc->jobs.parallel_for(desc->jobs.user, TILES, bake_tile, &set);
+    else
+      for (uint32_t tile = 0; tile < TILES; ++tile) bake_tile(&set, tile, 0);
+    result = (scree_result)atomic_load(&set.failure);
+  }
+
+  char* recipe_text = NULL;
+  size_t recipe_size = 0;
+  double write_start = clock_seconds();
+  if (result == SCREE_OK) {
+    /* Closes the gaps that rocks too small for a single voxel left. Their records own nothing. */
+    uint32_t kept = 0;
+    for (uint32_t cell = 0; cell < bake.cell_count; ++cell) {
+      cell_first[cell] = kept;
+      for (uint32_t slot = bake.cell_rocks[cell]; slot < bake.cell_rocks[cell + 1]; ++slot)
+        if (set.rocks[slot].hull != NULL) {
+          if (kept != slot) {
+            set.rocks[kept] = set.rocks[slot];
+            memset(&set.rocks[slot], 0, sizeof set.rocks[slot]);
+          }
+          ++kept;
+        }
+    }
+    cell_first[bake.cell_count] = kept;
+    recipe_size = scree_recipe_write(&bake.recipe, NULL, 0) + 1;
+    recipe_text = allocate(&bake.allocator, recipe_size, 1);
+    if (recipe_text == NULL)
+      result = SCREE_ERROR_OUT_OF_MEMORY;
+    else {
+      scree_recipe_write(&bake.recipe, recipe_text, recipe_size);
+      const rock_set rocks = {.cells_per_cube = bake.seeds.n,
+                              .lattice_per_cell = bake.recipe.lattice_steps * bake.recipe.voxels_per_cell,
+                              .lod_count = bake.recipe.lod_levels,
+                              .cell_count = bake.cell_count,
+                              .rock_count = kept,
+                              .cell_first = cell_first,
+                              .rocks = set.rocks,
+                              .recipe = recipe_text};
+      result = pack_write(&rocks, &bake.allocator, bytes, size);
+      if (result == SCREE_OK && report != NULL) {
+        fill_report(&set, &rocks, clock_seconds() - start, clock_seconds() - write_start, report);
+        report->bytes = *size;
+        scree_pack* pack;
+        result = scree_pack_open_memory(*bytes, *size, &bake.allocator, &pack);
+        if (result == SCREE_OK) {
+          scree_pack_info info;
+          scree_pack_get_info(pack, &info);
+          report->digest = info.digest;
+          scree_pack_close(pack);
+        }
+      }
+    }
+  }
+  release(&bake.allocator, recipe_text, recipe_size, 1);
+  for (uint32_t slot = 0; set.rocks != NULL && slot < bake.slot_count; ++slot) free_record(&set.rocks[slot], &bake.allocator);
+  release(&bake.allocator, set.rocks, bake.slot_count, sizeof *set.rocks);
+  release(&bake.allocator, cell_first, (size_t)bake.cell_count + 1, sizeof *cell_first);
+  bake_end(&bake);
+  return result;
+}
+
+void scree_bake_free(const scree_bake_desc* desc, uint8_t* bytes, size_t size) {
+  const scree_allocator allocator = allocator_or_default(&desc->allocator);
+  release(&allocator, bytes, size, 1);
+}

@@ -1,0 +1,7 @@
+/* Wall-clock seconds, for reports only: nothing that is baked depends on it. */
+#ifndef SCREE_CLOCK_H
+#define SCREE_CLOCK_H
+
+double clock_seconds(void);
+
+#endif

@@ -1,0 +1,39 @@
+/* The meshes of one rock: the finest level from its field, coarser ones from averaged fields, with ambient occlusion, mass, bounds,
+ * hull and the error of each level. */
+#ifndef SCREE_ROCK_MESH_H
+#define SCREE_ROCK_MESH_H
+
+#include "rock_field.h"
+#include "surface_nets.h"
+
+/* One worker's room for meshes. */
+typedef struct rock_mesher {
+  const scree_allocator* allocator;
+  const kernel_set* kernels;
+  uint32_t lattice_per_voxel;
+  mesh_buffer meshes[ROCK_MAX_LODS];
+  float errors[ROCK_MAX_LODS];
+  float* coarse;         /* averaged field */
+  uint64_t* coarse_rows; /* and its bits, and scratch */
+  float* density;        /* blurred occupancy, for ambient occlusion */
+  float* blur;
+  uint32_t capacity; /* voxels of the largest grid */
+  uint32_t* fans;    /* triangles around each vertex of a coarse mesh */
+  uint32_t fan_capacity;
+} rock_mesher;
+
+scree_result rock_mesher_create(const rock_worker* worker, uint32_t lattice_per_voxel, const scree_allocator* allocator,
+                                rock_mesher* out);
+void rock_mesher_destroy(rock_mesher* mesher);
+
+/* Meshes the worker's rock: meshes[0 .. lods - 1] and errors. A level too coarse to hold anything repeats the one before it. */
+scree_result rock_mesh(rock_mesher* mesher, const rock_worker* worker, uint32_t lods);
+
+/* Bounds, centroid, volume and radii of meshes[0], into the record. */
+void rock_mass(const rock_mesher* mesher, float cells_per_lattice, rock_record* out);
+
+/* Vertices of meshes[0] that are farthest in `most` (<= ROCK_MAX_HULL) fixed directions, without repeats: corners of the convex
+ * hull that span nearly all of it. hull: room for `most`. Returns how many. */
+uint32_t rock_hull(const rock_mesher* mesher, uint32_t most, int16_t (*hull)[3]);
+
+#endif

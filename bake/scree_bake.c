@@ -1,0 +1,220 @@
+/* scree-bake: a recipe file in, a pack file out. A thin program over include/scree/bake.h. */
+#define _POSIX_C_SOURCE 200809L
+#include <errno.h>
+#include <scree/bake.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "threads.h"
+
+static const char usage[] =
+    "Usage: scree-bake RECIPE.json -o PACK.scree [options]\n"
+    "\n"
+    "Bakes all unique rocks of a recipe into a pack: meshes at several levels of detail, hulls, contacts.\n"
+    "\n"
+    "  -o, --output FILE    the pack to write (a temporary file beside it is renamed when all is well)\n"
+    "      --set KEY=VALUE  override a key of the recipe, VALUE as in JSON: --set n=5 --set g=[1,2]; may be repeated\n"
+    "      --threads N      worker threads, 1..256; default: one a processor. The pack does not depend on it\n"
+    "      --report FILE    write rocks, triangles, bytes, digest and seconds by stage as JSON; - is standard output\n"
+    "      --print-recipe   print the recipe with every key and its value, and stop\n"
+    "  -q, --quiet          no progress, no summary\n"
+    "      --help, --version\n"
+    "\n"
+    "The keys of a recipe are described in content/schema/recipe.schema.json.\n"
+    "Exit status: 0 done, 1 the machine failed (memory, disk), 2 a mistake in the arguments or the recipe.\n";
+
+typedef struct options {
+  const char *recipe, *output, *report;
+  const char* sets[256];
+  uint32_t set_count, threads;
+  bool quiet, print;
+} options;
+
+static int fail(int status, const char* what, const char* why) {
+  fprintf(stderr, "scree-bake: %s: %s\n", what, why);
+  return status;
+}
+
+/* Returns -1 to go on, else the exit status. */
+static int parse_options(int count, char** arguments, options* out) {
+  memset(out, 0, sizeof *out);
+  for (int i = 1; i < count; ++i) {
+    const char* name = arguments[i];
+    if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0) {
+      fputs(usage, stdout);
+      return 0;
+    }
+    if (strcmp(name, "--version") == 0) {
+      printf("scree-bake %s\n", scree_version_string());
+      return 0;
+    }
+    if (strcmp(name, "-q") == 0 || strcmp(name, "--quiet") == 0)
+      out->quiet = true;
+    else if (strcmp(name, "--print-recipe") == 0)
+      out->print = true;
+    else if (name[0] == '-' && name[1] != '\0') {
+      const bool known = strcmp(name, "-o") == 0 || strcmp(name, "--output") == 0 || strcmp(name, "--set") == 0 ||
+                         strcmp(name, "--threads") == 0 || strcmp(name, "--report") == 0;
+      if (!known) return fail(2, name, "unknown option; see --help");
+      if (i + 1 == count) return fail(2, name, "needs a value; see --help");
+      const char* value = arguments[++i];
+      if (strcmp(name, "--set") == 0) {
+        if (out->set_count == sizeof out->sets / sizeof *out->sets) return fail(2, name, "given too often");
+        out->sets[out->set_count++] = value;
+      } else if (strcmp(name, "--threads") == 0) {
+        char* end;
+        const long threads = strtol(value, &end, 10);
+        if (*value == '\0' || *end != '\0' || threads < 1 || threads > 256)
+          return fail(2, value, "--threads takes a number from 1 to 256");
+        out->threads = (uint32_t)threads;
+      } else if (strcmp(name, "--report") == 0)
+        out->report = value;
+      else
+        out->output = value;
+    } else if (out->recipe == NULL)
+      out->recipe = name;
+    else
+      return fail(2, name, "one recipe at a time; see --help");
+  }
+  if (out->recipe == NULL) return fail(2, "no recipe", "see --help");
+  if (out->output == NULL && !out->print) return fail(2, "no output", "give -o PACK.scree; see --help");
+  return -1;
+}
+
+static char* read_text(const char* path, size_t* size) {
+  FILE* file = fopen(path, "rb");
+  char* text = NULL;
+  size_t capacity = 0;
+  *size = 0;
+  if (file == NULL) return NULL;
+  for (;;) {
+    if (*size == capacity) {
+      capacity = capacity == 0 ? 4096 : capacity * 2;
+      char* larger = capacity > (size_t)1 << 24 ? NULL : realloc(text, capacity); /* no recipe is that long */
+      if (larger == NULL) {
+        errno = EFBIG;
+        break;
+      }
+      text = larger;
+    }
+    const size_t got = fread(text + *size, 1, capacity - *size, file);
+    *size += got;
+    if (got == 0) {
+      if (ferror(file) != 0) break;
+      fclose(file);
+      return text;
+    }
+  }
+  const int reason = errno;
+  free(text);
+  fclose(file);
+  errno = reason;
+  return NULL;
+}
+
+/* Writes to a temporary name beside `path`, then renames: the file is whole or not there. */
+static bool write_file(const char* path, const void* bytes, size_t size) {
+  const size_t length = strlen(path) + 32;
+  char* temporary = malloc(length);
+  if (temporary == NULL) return false;
+  snprintf(temporary, length, "%s.tmp-%ld", path, (long)getpid());
+  FILE* file = fopen(temporary, "wb");
+  bool good = file != NULL;
+  int reason = errno;
+  if (good) {
+    good = fwrite(bytes, 1, size, file) == size;
+    good = fclose(file) == 0 && good;
+    good = good && rename(temporary, path) == 0;
+    reason = errno;
+    if (!good) remove(temporary);
+  }
+  free(temporary);
+  errno = reason;
+  return good;
+}
+
+static bool show_progress(void* user, const char* stage, double done) {
+  (void)user;
+  char bar[41];
+  const int filled = (int)(done * 40);
+  for (int i = 0; i < 40; ++i) bar[i] = i < filled ? '#' : '.';
+  bar[40] = '\0';
+  fprintf(stderr, "\r%-6s [%s] %3d %%", stage, bar, (int)(done * 100));
+  return true;
+}
+
+static bool write_report(const char* path, const options* given, const scree_recipe* recipe, const scree_bake_report* report,
+                         uint32_t threads) {
+  char* text = NULL;
+  size_t size = 0;
+  FILE* out = open_memstream(&text, &size);
+  if (out == NULL) return false;
+  fprintf(out, "{\n  \"recipe\": \"");
+  for (const char* c = recipe->name; *c != '\0'; ++c) {
+    if (*c == '"' || *c == '\\') fputc('\\', out);
+    if ((unsigned char)*c >= ' ') fputc(*c, out);
+  }
+  fprintf(out, "\",\n  \"rocks\": %u,\n  \"contacts\": %llu,\n  \"triangles\": %llu,\n  \"lod_triangles\": [", report->rocks,
+          (unsigned long long)report->contacts, (unsigned long long)report->triangles);
+  for (uint32_t level = 0; level < recipe->lod_levels; ++level)
+    fprintf(out, "%s%llu", level == 0 ? "" : ", ", (unsigned long long)report->lod_triangles[level]);
+  fprintf(out, "],\n  \"bytes\": %llu,\n  \"digest\": \"%016llx\",\n  \"threads\": %u,\n  \"version\": \"%s\",\n  \"seconds\": {\n",
+          (unsigned long long)report->bytes, (unsigned long long)report->digest, threads, scree_version_string());
+  for (uint32_t s = 0; s < report->stage_count; ++s)
+    fprintf(out, "    \"%s\": %.3f,\n", report->stages[s].name, report->stages[s].seconds);
+  fprintf(out, "    \"total\": %.3f\n  }\n}\n", report->seconds);
+  bool good = fclose(out) == 0;
+  (void)given;
+  if (good && strcmp(path, "-") == 0)
+    good = fwrite(text, 1, size, stdout) == size && fflush(stdout) == 0;
+  else if (good)
+    good = write_file(path, text, size);
+  free(text);
+  return good;
+}
+
+int main(int count, char** arguments) {
+  options given;
+  const int status = parse_options(count, arguments, &given);
+  if (status >= 0) return status;
+
+  size_t size;
+  char* text = read_text(given.recipe, &size);
+  if (text == NULL) return fail(2, given.recipe, strerror(errno));
+  scree_recipe recipe;
+  scree_error error = {{0}};
+  scree_result result = scree_recipe_parse(text, size, &recipe, &error);
+  free(text);
+  if (result != SCREE_OK) return fail(2, given.recipe, error.message);
+  for (uint32_t s = 0; s < given.set_count; ++s)
+    if (scree_recipe_set(&recipe, given.sets[s], &error) != SCREE_OK) return fail(2, "--set", error.message);
+  if (given.print) {
+    char all[8192];
+    scree_recipe_write(&recipe, all, sizeof all);
+    fputs(all, stdout);
+    return 0;
+  }
+
+  const bool terminal = isatty(STDERR_FILENO) != 0 && !given.quiet;
+  const scree_bake_desc desc = {
+      .recipe = &recipe, .jobs = threads_jobs(given.threads), .progress = terminal ? show_progress : NULL};
+  uint8_t* bytes;
+  scree_bake_report report;
+  result = scree_bake_rocks(&desc, &bytes, &size, &report, &error);
+  if (terminal) fprintf(stderr, "\r%*s\r", 60, "");
+  if (result != SCREE_OK)
+    return fail(result == SCREE_ERROR_RANGE ? 2 : 1, given.recipe,
+                error.message[0] != '\0' ? error.message : scree_result_string(result));
+
+  int exit_status = 0;
+  if (!write_file(given.output, bytes, size)) exit_status = fail(1, given.output, strerror(errno));
+  scree_bake_free(&desc, bytes, size);
+  if (exit_status == 0 && given.report != NULL && !write_report(given.report, &given, &recipe, &report, desc.jobs.worker_count))
+    exit_status = fail(1, given.report, strerror(errno));
+  if (exit_status == 0 && terminal)
+    fprintf(stderr, "%s: %u rocks, %llu triangles, %.1f MB, digest %016llx, %.1f s\n", given.output, report.rocks,
+            (unsigned long long)report.triangles, (double)report.bytes * 1e-6, (unsigned long long)report.digest, report.seconds);
+  return exit_status;
+}
