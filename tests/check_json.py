@@ -1,6 +1,6 @@
 """Checks JSON files named on standard input, one a line: each parses, has no key twice, and fits the schema of its folder.
 
-content/recipes/*.json are held against content/schema/recipe.schema.json, content/scenes/*.json against scene.schema.json; a
+content/recipes/*.json and content/golden/*.json are held against content/schema/recipe.schema.json, content/scenes/*.json against scene.schema.json; a
 schema itself must be a valid one. Prints one line per fault; exit status 1 if there was any.
 """
 
@@ -12,6 +12,7 @@ import jsonschema
 
 SCHEMAS = {
     "content/recipes": "content/schema/recipe.schema.json",
+    "content/golden": "content/schema/recipe.schema.json",
     "content/scenes": "content/schema/scene.schema.json",
 }
 
