@@ -1,0 +1,213 @@
+/* Fields: the tables of a pack, rearranged for queries (field_tables.h), and the hashes of places. */
+#include <math.h>
+#include <string.h>
+
+#include "allocator.h"
+#include "field_tables.h"
+
+static scree_result check_desc(const scree_field_desc* desc) {
+  if (!(isfinite(desc->cell_size) && desc->cell_size >= 1e-6 && desc->cell_size <= 1e6)) return SCREE_ERROR_RANGE;
+  for (int a = 0; a < 3; ++a)
+    if (!isfinite(desc->origin[a])) return SCREE_ERROR_RANGE;
+  return SCREE_OK;
+}
+
+static bool rock_is_sound(const field_rock* rock, float max_radius) {
+  for (int a = 0; a < 3; ++a)
+    if (!(fabsf(rock->centroid[a]) <= 2)) return false;
+  return rock->inner_radius >= 0 && rock->inner_radius <= rock->outer_radius && rock->outer_radius <= max_radius;
+}
+
+static scree_result check_source(const field_source* s) {
+  uint32_t n = s->cells_per_cube;
+  if (n < 3 || n > FIELD_MAX_CELLS) return SCREE_ERROR_CORRUPT;
+  if (s->max_rocks_per_cell < 1 || s->max_rocks_per_cell > FIELD_MAX_PER_CELL) return SCREE_ERROR_CORRUPT;
+  if (!(s->max_radius > 0 && s->max_radius <= 8)) return SCREE_ERROR_CORRUPT;
+  for (uint32_t i = 0; i < 256 * n * n * n; ++i)
+    if (s->tile_cells[i] >= s->cell_count) return SCREE_ERROR_CORRUPT;
+  for (uint32_t cell = 0; cell < s->cell_count; ++cell) {
+    uint32_t first = s->cell_first[cell], end = s->cell_first[cell + 1];
+    if (first > end || end > s->asset_count || end - first > s->max_rocks_per_cell) return SCREE_ERROR_CORRUPT;
+    for (uint32_t i = first; i < end; ++i) {
+      const field_rock* rock = &s->rocks[i];
+      if (rock->seed >= s->max_rocks_per_cell || (i > first && rock->seed <= rock[-1].seed)) return SCREE_ERROR_CORRUPT;
+      if (!rock_is_sound(rock, s->max_radius)) return SCREE_ERROR_CORRUPT;
+    }
+  }
+  return SCREE_OK;
+}
+
+static uint32_t tile_cell(const field_source* s, uint32_t code, uint32_t x, uint32_t y, uint32_t z) {
+  uint32_t n = s->cells_per_cube;
+  return s->tile_cells[((code * n + z) * n + y) * n + x];
+}
+
+/* Splits the cells of a cube into 8 blocks, the first half of an axis the larger one. */
+static void place_blocks(scree_field* field) {
+  uint8_t n = (uint8_t)field->cells_per_cube, half = (uint8_t)((n + 1) / 2);
+  for (uint32_t b = 0; b < FIELD_BLOCKS; ++b)
+    for (uint32_t a = 0; a < 3; ++a) {
+      bool upper = b >> a & 1;
+      field->blocks[b].low[a] = upper ? half : 0;
+      field->blocks[b].high[a] = upper ? n : half;
+    }
+}
+
+/* Counts the slots of every tile and lays out their arrays. */
+static void place_tiles(scree_field* field, const field_source* s) {
+  uint32_t offset = 0;
+  for (uint32_t code = 0; code < 256; ++code) {
+    field_tile* tile = &field->tiles[code];
+    uint32_t count = 0;
+    for (uint32_t b = 0; b < FIELD_BLOCKS; ++b) {
+      const field_block* block = &field->blocks[b];
+      tile->block_first[b] = (uint16_t)count;
+      for (uint32_t z = block->low[2]; z < block->high[2]; ++z)
+        for (uint32_t y = block->low[1]; y < block->high[1]; ++y)
+          for (uint32_t x = block->low[0]; x < block->high[0]; ++x) {
+            uint32_t cell = tile_cell(s, code, x, y, z);
+            count += s->cell_first[cell + 1] - s->cell_first[cell];
+          }
+    }
+    tile->block_first[FIELD_BLOCKS] = (uint16_t)count;
+    tile->padded = (count + 2 * (FIELD_OCTET - 1)) / FIELD_OCTET * FIELD_OCTET;
+    if (tile->padded == 0) tile->padded = FIELD_OCTET;
+    tile->offset = offset;
+    offset += tile->padded / FIELD_OCTET;
+    field->uniform_count = code == 0 || field->uniform_count == count ? count : 0;
+  }
+  field->slot_bytes = (size_t)offset * (32 * FIELD_OCTET);
+}
+
+static void fill_slot(scree_field* field, const field_tile* tile, uint32_t slot, const field_rock* rock, uint32_t asset,
+                      const uint32_t cell[3]) {
+  double h = field->cell_size;
+  size_t n = tile->padded;
+  uint8_t* base = field->slots + (size_t)tile->offset * (32 * FIELD_OCTET);
+  float* floats = (float*)(void*)base;
+  uint32_t* words = (uint32_t*)(void*)base;
+  uint32_t cells = field->cells_per_cube;
+  float mean = (float)(0.5 * ((double)rock->inner_radius + (double)rock->outer_radius) * h);
+  double reach2 = 0;
+  for (int a = 0; a < 3; ++a) {
+    float v = (float)((double)rock->centroid[a] * h);
+    floats[a * n + slot] = v;
+    base[24 * n + a * n + slot] = (uint8_t)cell[a];
+    if (v < field->centroid_min[a]) field->centroid_min[a] = v;
+    if (v > field->centroid_max[a]) field->centroid_max[a] = v;
+    reach2 += (double)v * (double)v;
+  }
+  floats[3 * n + slot] = mean;
+  words[4 * n + slot] = asset;
+  words[5 * n + slot] = (cell[0] + cells * (cell[1] + cells * cell[2])) * field->max_rocks_per_cell + rock->seed;
+  if (mean < field->mean_radius_min) field->mean_radius_min = mean;
+  if (mean > field->mean_radius_max) field->mean_radius_max = mean;
+  float reach = (float)(sqrt(reach2) * 1.000001);
+  if (reach > field->centroid_reach) field->centroid_reach = reach;
+}
+
+static void fill_slots(scree_field* field, const field_source* s) {
+  field->mean_radius_min = INFINITY;
+  for (int a = 0; a < 3; ++a) field->centroid_min[a] = INFINITY, field->centroid_max[a] = -INFINITY;
+  for (uint32_t code = 0; code < 256; ++code) {
+    uint32_t slot = 0;
+    for (uint32_t b = 0; b < FIELD_BLOCKS; ++b) {
+      const field_block* block = &field->blocks[b];
+      uint32_t c[3];
+      for (c[2] = block->low[2]; c[2] < block->high[2]; ++c[2])
+        for (c[1] = block->low[1]; c[1] < block->high[1]; ++c[1])
+          for (c[0] = block->low[0]; c[0] < block->high[0]; ++c[0]) {
+            uint32_t cell = tile_cell(s, code, c[0], c[1], c[2]);
+            for (uint32_t i = s->cell_first[cell]; i < s->cell_first[cell + 1]; ++i)
+              fill_slot(field, &field->tiles[code], slot++, &s->rocks[i], i, c);
+          }
+    }
+  }
+  for (int a = 0; a < 3; ++a)
+    if (field->centroid_min[a] > field->centroid_max[a]) field->centroid_min[a] = field->centroid_max[a] = 0;
+  if (field->mean_radius_min > field->mean_radius_max) field->mean_radius_min = field->mean_radius_max;
+}
+
+/* Centroid of a slot, metres from the centre of the cube's cell (0, 0, 0). */
+static void slot_centroid(const scree_field* field, const tile_slots* t, uint32_t slot, double out[3]) {
+  double h = field->cell_size;
+  out[0] = h * t->cx[slot] + (double)t->x[slot];
+  out[1] = h * t->cy[slot] + (double)t->y[slot];
+  out[2] = h * t->cz[slot] + (double)t->z[slot];
+}
+
+static void bound_block(scree_field* field, uint32_t b) {
+  field_block* block = &field->blocks[b];
+  double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, p[3], radius2 = 0;
+  for (int pass = 0; pass < 2; ++pass) {
+    for (uint32_t code = 0; code < 256; ++code) {
+      const field_tile* tile = &field->tiles[code];
+      tile_slots slots = field_slots(field, tile);
+      for (uint32_t i = tile->block_first[b]; i < tile->block_first[b + 1]; ++i) {
+        slot_centroid(field, &slots, i, p);
+        double distance2 = 0;
+        for (int a = 0; a < 3; ++a) {
+          if (p[a] < low[a]) low[a] = p[a];
+          if (p[a] > high[a]) high[a] = p[a];
+          double d = p[a] - (double)block->centre[a];
+          distance2 += d * d;
+        }
+        if (pass == 1 && distance2 > radius2) radius2 = distance2;
+      }
+    }
+    if (low[0] > high[0]) break; /* no rocks at all */
+    for (int a = 0; a < 3; ++a) block->centre[a] = (float)((low[a] + high[a]) * 0.5);
+  }
+  block->radius = (float)(sqrt(radius2) * 1.000001);
+}
+
+scree_result field_create_from_source(const scree_field_desc* desc, const field_source* source, const scree_allocator* given,
+                                      scree_field** out) {
+  *out = NULL;
+  scree_result result = check_desc(desc);
+  if (result == SCREE_OK) result = check_source(source);
+  if (result != SCREE_OK) return result;
+
+  scree_allocator allocator = allocator_or_default(given);
+  scree_field* field = allocate_zeroed(&allocator, 1, sizeof *field);
+  if (field == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
+  field->allocator = allocator;
+  field->seed = desc->seed;
+  field->cell_size = desc->cell_size;
+  memcpy(field->origin, desc->origin, sizeof field->origin);
+  field->cells_per_cube = source->cells_per_cube;
+  field->max_rocks_per_cell = source->max_rocks_per_cell;
+  field->max_radius = source->max_radius;
+  place_blocks(field);
+  place_tiles(field, source);
+  field->slots = allocate_zeroed(&allocator, field->slot_bytes, 1);
+  if (field->slots == NULL) {
+    scree_field_destroy(field);
+    return SCREE_ERROR_OUT_OF_MEMORY;
+  }
+  fill_slots(field, source);
+  for (uint32_t b = 0; b < FIELD_BLOCKS; ++b) bound_block(field, b);
+  *out = field;
+  return SCREE_OK;
+}
+
+void scree_field_destroy(scree_field* field) {
+  if (field == NULL) return;
+  scree_allocator allocator = field->allocator;
+  release(&allocator, field->slots, field->slot_bytes, 1);
+  release(&allocator, field, 1, sizeof *field);
+}
+
+uint32_t scree_world_hash(const scree_field* field, const scree_id* id) {
+  uint64_t hash = hash_corner(field->seed ^ UINT64_C(0x5c3ee0f1e1d5a1d7), id->cube[0], id->cube[1], id->cube[2]);
+  return (uint32_t)(hash_combine(hash, id->local) >> 32);
+}
+
+uint32_t scree_field_tile_code(const scree_field* field, const int32_t cube[3]) {
+  uint32_t code = 0;
+  for (uint32_t corner = 0; corner < 8; ++corner) /* wraps at the end of the lattice, as its hash does */
+    code |= corner_colour(field->seed, (int32_t)((uint32_t)cube[0] + (corner & 1)),
+                          (int32_t)((uint32_t)cube[1] + (corner >> 1 & 1)), (int32_t)((uint32_t)cube[2] + (corner >> 2)))
+            << corner;
+  return code;
+}

@@ -1,0 +1,39 @@
+/* One query, prepared, and the kernels that run it. */
+#ifndef SCREE_QUERY_KERNEL_H
+#define SCREE_QUERY_KERNEL_H
+
+#include "field_tables.h"
+#include "support_program.h"
+
+typedef struct query_run {
+  const scree_field* field;
+  const scree_support* support;
+  double test_base[3];               /* centre of cell (0, 0, 0) in the support's space */
+  double out_base[3];                /* the same relative to the query's origin */
+  int64_t cell_low[3], cell_high[3]; /* cells that belong to the query: low <= c < high */
+  int32_t cube_low[3], cube_high[3]; /* cubes that hold them */
+  float slope;                       /* 1 - 2 threshold: a rock exists where distance <= slope * mean radius */
+  float offset_min, offset_max;      /* of slope * mean radius over all rocks */
+  float floor;                       /* shell: and distance > floor; -infinity without */
+  float margin;                      /* more than rounding can move any distance of this query */
+  float relevant_low, relevant_high; /* distances outside are all alike to the query */
+  scree_instance* instances;         /* NULL: only count */
+  scree_id* ids;                     /* or NULL */
+  uint64_t capacity;
+  uint64_t count;
+} query_run;
+
+/* The bits of the answer are the same from all kernels. */
+typedef enum query_kernel { QUERY_KERNEL_BEST = 0, QUERY_KERNEL_PLAIN = 1 } query_kernel;
+
+/* scree_query_count and scree_query_fill with a chosen kernel. */
+scree_result query_count(const scree_query_desc* desc, query_kernel kernel, uint64_t* count);
+scree_result query_fill(const scree_query_desc* desc, query_kernel kernel, scree_instance* instances, scree_id* ids,
+                        uint64_t capacity, uint64_t* count);
+
+void query_run_plain(query_run* run);
+#ifdef SCREE_WIDE_KERNELS
+void query_run_avx2(query_run* run);
+#endif
+
+#endif

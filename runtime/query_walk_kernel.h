@@ -1,0 +1,509 @@
+/* The walk of a query through space, as static functions: included by each kernel and compiled for its target.
+ * Based on: the octree culling of implicit surfaces with Lipschitz bounds (Hart, Sphere Tracing, 1996; Duff, Interval Arithmetic
+ * and Recursive Subdivision for Implicit Functions, 1992: programs pruned part of space by part of space).
+ *
+ *   octree over cubes --> cube --> 8 blocks of its cells --> single rocks, 64 at a time
+ *
+ * On every level the support's distance at the middle of a part bounds it everywhere in the part. A part is out, or deep below the
+ * shell, or all in it (bulk), or has to be split (straddling). All bounds allow for rounding, so the walk finds what testing each
+ * rock by itself would find, to the bit. */
+#ifndef SCREE_QUERY_WALK_KERNEL_H
+#define SCREE_QUERY_WALK_KERNEL_H
+
+#include <math.h>
+
+#include "query_kernel.h"
+#include "support_kernel.h"
+
+enum { PARTS = 8, ARENA_OPS = 16384 };
+
+typedef struct program_view {
+  const uint16_t* ops;
+  uint32_t length;
+} program_view;
+
+typedef struct walk {
+  query_run* run;
+  const scree_field* field;
+  const support_op* ops;
+  int64_t n; /* cells per cube */
+  uint64_t count;
+  float values[SUPPORT_MAX_STACK][SUPPORT_BATCH];
+  float low[SUPPORT_MAX_STACK][PARTS], high[SUPPORT_MAX_STACK][PARTS]; /* bounds of operations over parts */
+  /* Bit p: what the first or second side of this operation is does not matter in part p. */
+  uint8_t first_idle[SUPPORT_MAX_OPS], second_idle[SUPPORT_MAX_OPS];
+  uint16_t arena[ARENA_OPS]; /* pruned programs, a stack */
+  uint32_t arena_used;
+} walk;
+
+/* 8 balls, and after bound_parts what the support's distance is there. Bit p of a mask speaks of part p. */
+typedef struct parts {
+  float x[PARTS], y[PARTS], z[PARTS], radius[PARTS];
+  uint32_t bulk, straddling;
+  uint32_t prunable; /* parts where some operation is idle */
+} parts;
+
+/* A cube that is looked at. */
+typedef struct cube_view {
+  int32_t at[3];
+  bool border;             /* not all of its cells belong to the query */
+  uint8_t low[3], high[3]; /* which do */
+  float test[3][8];        /* centres of cells along each axis in the support's space */
+  float out[3][8];         /* and as delivered */
+  const field_tile* tile;
+  tile_slots slots;
+} cube_view;
+
+/* --- bounds ---------------------------------------------------------------------------------------------------------------- */
+
+static void bound_leaf(walk* w, const support_op* op, const parts* p, float* low, float* high) {
+  const query_run* run = w->run;
+  float value[PARTS];
+  evaluate_leaf(op, p->x, p->y, p->z, value, PARTS);
+  float top = (op->flipped ? -run->relevant_low : run->relevant_high) + op->slack_high;
+  float bottom = (op->flipped ? -run->relevant_high : run->relevant_low) - op->slack_low;
+  const vfloat infinite = v_set(INFINITY);
+  for (int i = 0; i < PARTS; i += SIMD_WIDTH) {
+    vfloat reach = v_load(p->radius + i) * v_set(op->lipschitz * 1.00001f) + v_set(run->margin);
+    vfloat l = v_load(value + i) - reach, h = v_load(value + i) + reach;
+    vint above = l > v_set(top), below = h < v_set(bottom);
+    v_store(low + i, v_select(above, infinite, v_select(below, -infinite, l)));
+    v_store(high + i, v_select(above, infinite, v_select(below, -infinite, h)));
+  }
+}
+
+static void bound_pair(walk* w, const support_op* op, uint32_t at, uint32_t top) {
+  float *al = w->low[top], *ah = w->high[top];
+  const float *bl = w->low[top + 1], *bh = w->high[top + 1];
+  uint32_t first = 0, second = 0;
+  for (int i = 0; i < PARTS; i += SIMD_WIDTH) {
+    vfloat a0 = v_load(al + i), a1 = v_load(ah + i), b0 = v_load(bl + i), b1 = v_load(bh + i), low, high;
+    vint first_idle, second_idle;
+    if (op->kind == OP_UNION) {
+      first_idle = a0 >= b1;
+      second_idle = b0 >= a1;
+      low = v_min(a0, b0);
+      high = v_min(a1, b1);
+    } else if (op->kind == OP_SMOOTH_UNION) {
+      vfloat apart = v_set(op->smooth.blend * 1.00001f);
+      first_idle = a0 >= b1 + apart;
+      second_idle = b0 >= a1 + apart;
+      low = smooth_min(a0, b0, op->smooth.blend, op->smooth.inverse_blend);
+      high = smooth_min(a1, b1, op->smooth.blend, op->smooth.inverse_blend);
+    } else {
+      if (op->kind == OP_DIFFERENCE) {
+        vfloat swap = -b0;
+        b0 = -b1;
+        b1 = swap;
+      }
+      first_idle = a1 <= b0;
+      second_idle = b1 <= a0;
+      low = v_max(a0, b0);
+      high = v_max(a1, b1);
+    }
+    v_store(al + i, low);
+    v_store(ah + i, high);
+    first |= v_bits(first_idle) << i;
+    second |= v_bits(second_idle) << i;
+  }
+  w->second_idle[at] = (uint8_t)second;
+  w->first_idle[at] = (uint8_t)(first & ~second);
+}
+
+/* Bounds the program's value in each part and sorts the parts; `lanes` has the parts that are asked about. */
+static void bound_parts(walk* w, program_view program, parts* p, uint32_t lanes) {
+  const query_run* run = w->run;
+  uint32_t top = 0;
+  p->prunable = 0;
+  for (uint32_t i = 0; i < program.length; ++i) {
+    const support_op* op = &w->ops[program.ops[i]];
+    if (op->kind < OP_UNION) {
+      bound_leaf(w, op, p, w->low[top], w->high[top]);
+      ++top;
+    } else if (op->kind == OP_NEGATE) {
+      for (int k = 0; k < PARTS; k += SIMD_WIDTH) {
+        vfloat low = -v_load(w->high[top - 1] + k), high = -v_load(w->low[top - 1] + k);
+        v_store(w->low[top - 1] + k, low);
+        v_store(w->high[top - 1] + k, high);
+      }
+    } else {
+      --top;
+      bound_pair(w, op, i, top - 1);
+      p->prunable |= (uint32_t)(w->first_idle[i] | w->second_idle[i]);
+    }
+  }
+  uint32_t out = 0, deep = 0, in = 0, shallow = 0;
+  for (int k = 0; k < PARTS; k += SIMD_WIDTH) {
+    vfloat low = v_load(w->low[0] + k), high = v_load(w->high[0] + k), floor = v_set(run->floor);
+    out |= v_bits(low > v_set(run->offset_max)) << k;
+    deep |= v_bits(high <= floor) << k;
+    in |= v_bits(high <= v_set(run->offset_min)) << k;
+    shallow |= v_bits(low > floor) << k;
+  }
+  p->bulk = in & shallow & lanes;
+  p->straddling = lanes & ~(out | deep | p->bulk);
+}
+
+/* The program without what is idle in a part, as the last bound_parts found it. Keeps the old one where there is no room. */
+static program_view prune(walk* w, program_view program, uint32_t part) {
+  if (w->arena_used + program.length > ARENA_OPS) return program;
+  uint16_t* out = w->arena + w->arena_used;
+  uint32_t starts[SUPPORT_MAX_STACK], top = 0, length = 0;
+  for (uint32_t i = 0; i < program.length; ++i) {
+    uint16_t index = program.ops[i];
+    const support_op* op = &w->ops[index];
+    if (op->kind < OP_UNION) {
+      starts[top++] = length;
+      out[length++] = index;
+    } else if (op->kind == OP_NEGATE) {
+      out[length++] = index;
+    } else {
+      --top;
+      if (w->second_idle[i] >> part & 1) {
+        length = starts[top];
+      } else if (w->first_idle[i] >> part & 1) {
+        uint32_t kept = length - starts[top];
+        memmove(out + starts[top - 1], out + starts[top], kept * sizeof *out);
+        length = starts[top - 1] + kept;
+        if (op->kind == OP_DIFFERENCE) out[length++] = (uint16_t)w->run->support->op_count;
+      } else {
+        out[length++] = index;
+      }
+    }
+  }
+  w->arena_used += length;
+  return (program_view){out, length};
+}
+
+/* --- output ---------------------------------------------------------------------------------------------------------------- */
+
+#if SIMD_WIDTH == 8
+static inline __m256i cell_lanes(const uint8_t* cells) {
+  return _mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i*)(const void*)cells));
+}
+
+/* Eight records as four pairs: pair k holds records k and k + 4. */
+static inline void make_records(const cube_view* c, uint32_t slot, __m256 pairs[4]) {
+  __m256 x = _mm256_permutevar8x32_ps(_mm256_loadu_ps(c->out[0]), cell_lanes(c->slots.cx + slot));
+  __m256 y = _mm256_permutevar8x32_ps(_mm256_loadu_ps(c->out[1]), cell_lanes(c->slots.cy + slot));
+  __m256 z = _mm256_permutevar8x32_ps(_mm256_loadu_ps(c->out[2]), cell_lanes(c->slots.cz + slot));
+  __m256 asset = _mm256_loadu_ps((const float*)(const void*)(c->slots.asset + slot));
+  __m256 xy_low = _mm256_unpacklo_ps(x, y), xy_high = _mm256_unpackhi_ps(x, y);
+  __m256 za_low = _mm256_unpacklo_ps(z, asset), za_high = _mm256_unpackhi_ps(z, asset);
+  pairs[0] = _mm256_shuffle_ps(xy_low, za_low, 0x44);
+  pairs[1] = _mm256_shuffle_ps(xy_low, za_low, 0xee);
+  pairs[2] = _mm256_shuffle_ps(xy_high, za_high, 0x44);
+  pairs[3] = _mm256_shuffle_ps(xy_high, za_high, 0xee);
+}
+#endif
+
+static inline void write_one(const walk* w, const cube_view* c, uint32_t slot, uint64_t to) {
+  const tile_slots* s = &c->slots;
+  w->run->instances[to] =
+      (scree_instance){{c->out[0][s->cx[slot]], c->out[1][s->cy[slot]], c->out[2][s->cz[slot]]}, s->asset[slot]};
+}
+
+static void write_ids(const walk* w, const cube_view* c, uint32_t slot, uint32_t mask, uint64_t to) {
+  for (; mask != 0; mask &= mask - 1)
+    w->run->ids[to++] = (scree_id){{c->at[0], c->at[1], c->at[2]}, c->slots.local[slot + (uint32_t)__builtin_ctz(mask)]};
+}
+
+/* Delivers those of 8 slots that the mask has. */
+static inline void emit_octet(walk* w, const cube_view* c, uint32_t slot, uint32_t mask) {
+  const query_run* run = w->run;
+  uint64_t to = w->count;
+  w->count += (uint32_t)__builtin_popcount(mask);
+  if (run->instances == NULL || mask == 0) return;
+  if (to + FIELD_OCTET > run->capacity) { /* near the end of the buffer: one by one */
+    for (uint32_t rest = mask; rest != 0 && to < run->capacity; rest &= rest - 1, ++to) {
+      write_one(w, c, slot + (uint32_t)__builtin_ctz(rest), to);
+      if (run->ids != NULL) write_ids(w, c, slot, rest & -rest, to);
+    }
+    return;
+  }
+  if (run->ids != NULL) write_ids(w, c, slot, mask, to);
+#if SIMD_WIDTH == 8
+  __m256 pairs[4];
+  make_records(c, slot, pairs);
+  float* record = (float*)(run->instances + to);
+  for (int half = 0; half < 2; ++half)
+    for (int k = 0; k < 4; ++k) { /* each is stored where the next one that counts will lie */
+      _mm_storeu_ps(record, half == 0 ? _mm256_castps256_ps128(pairs[k]) : _mm256_extractf128_ps(pairs[k], 1));
+      record += 4 * (mask >> (4 * half + k) & 1);
+    }
+#else
+  for (; mask != 0; mask &= mask - 1) write_one(w, c, slot + (uint32_t)__builtin_ctz(mask), to++);
+#endif
+}
+
+/* Which of 8 slots have their home cell in the query. */
+static uint32_t octet_in_range(const cube_view* c, uint32_t slot) {
+  const tile_slots* s = &c->slots;
+  uint32_t mask = 0;
+  for (uint32_t i = 0; i < FIELD_OCTET; ++i) {
+    bool x = s->cx[slot + i] >= c->low[0] && s->cx[slot + i] < c->high[0];
+    bool y = s->cy[slot + i] >= c->low[1] && s->cy[slot + i] < c->high[1];
+    bool z = s->cz[slot + i] >= c->low[2] && s->cz[slot + i] < c->high[2];
+    mask |= (uint32_t)(x && y && z) << i;
+  }
+  return mask;
+}
+
+static inline uint32_t octet_mask(const cube_view* c, uint32_t slot, uint32_t end) {
+  uint32_t mask = end - slot < FIELD_OCTET ? (1u << (end - slot)) - 1 : 0xff;
+  return c->border ? mask & octet_in_range(c, slot) : mask;
+}
+
+/* Delivers slots first .. end - 1, all of them that belong to the query. */
+static void emit_slots(walk* w, const cube_view* c, uint32_t first, uint32_t end) {
+  const query_run* run = w->run;
+  if (!c->border && run->instances == NULL) {
+    w->count += end - first;
+    return;
+  }
+  uint32_t slot = first;
+#if SIMD_WIDTH == 8
+  if (!c->border && run->ids == NULL && w->count + (end - first) + FIELD_OCTET <= run->capacity) {
+    float* record = (float*)(run->instances + w->count);
+    for (; slot < end; slot += FIELD_OCTET, record += 4 * FIELD_OCTET) {
+      __m256 pairs[4];
+      make_records(c, slot, pairs);
+      _mm256_storeu_ps(record, _mm256_permute2f128_ps(pairs[0], pairs[1], 0x20));
+      _mm256_storeu_ps(record + 8, _mm256_permute2f128_ps(pairs[2], pairs[3], 0x20));
+      _mm256_storeu_ps(record + 16, _mm256_permute2f128_ps(pairs[0], pairs[1], 0x31));
+      _mm256_storeu_ps(record + 24, _mm256_permute2f128_ps(pairs[2], pairs[3], 0x31));
+    }
+    w->count += end - first;
+    return;
+  }
+#endif
+  for (; slot < end; slot += FIELD_OCTET) emit_octet(w, c, slot, octet_mask(c, slot, end));
+}
+
+/* --- cubes ----------------------------------------------------------------------------------------------------------------- */
+
+/* Colours of the four corners (x, y..y+1, z..z+1) at bits 0, 2, 4, 6. */
+static inline uint32_t side_colours(uint64_t seed, int32_t x, int32_t y, int32_t z) {
+  uint32_t colours = 0;
+  for (int32_t k = 0; k < 4; ++k) colours |= corner_colour(seed, x, y + (k & 1), z + (k >> 1)) << (2 * k);
+  return colours;
+}
+
+static inline void place_axis(const walk* w, double base, int64_t cube, float out[8]) {
+  double h = w->field->cell_size;
+  int64_t first = cube * w->n;
+  for (int64_t i = 0; i < w->n; ++i) out[i] = (float)(base + h * (double)(first + i));
+}
+
+static void set_tile(const walk* w, cube_view* c, uint32_t code) {
+  c->tile = &w->field->tiles[code];
+  c->slots = field_slots(w->field, c->tile);
+}
+
+/* Notes which cells of the cube belong to the query. */
+static void set_range(const walk* w, cube_view* c) {
+  c->border = false;
+  for (int a = 0; a < 3; ++a) {
+    int64_t first = c->at[a] * w->n, low = w->run->cell_low[a] - first, high = w->run->cell_high[a] - first;
+    c->low[a] = (uint8_t)(low > 0 ? low : 0);
+    c->high[a] = (uint8_t)(high < w->n ? high : w->n);
+    c->border = c->border || low > 0 || high < w->n;
+  }
+}
+
+/* Rocks of a cube that have to be looked at one by one, up to 64 at a time. */
+typedef struct batch {
+  float x[SUPPORT_BATCH], y[SUPPORT_BATCH], z[SUPPORT_BATCH];
+  uint32_t slot[SUPPORT_BATCH / FIELD_OCTET];
+  uint8_t mask[SUPPORT_BATCH / FIELD_OCTET];
+  uint32_t octets;
+} batch;
+
+static void flush(walk* w, const cube_view* c, program_view program, batch* b) {
+  const query_run* run = w->run;
+  evaluate_program(w->ops, program.ops, program.length, b->x, b->y, b->z, w->values, b->octets * FIELD_OCTET);
+  for (uint32_t o = 0; o < b->octets; ++o) {
+    uint32_t exists = 0;
+    for (uint32_t k = 0; k < FIELD_OCTET; k += SIMD_WIDTH) {
+      vfloat d = v_load(w->values[0] + o * FIELD_OCTET + k);
+      vfloat offset = v_set(run->slope) * v_load(c->slots.mean_radius + b->slot[o] + k);
+      exists |= v_bits((d <= offset) & (d > v_set(run->floor))) << k;
+    }
+    emit_octet(w, c, b->slot[o], exists & b->mask[o]);
+  }
+  b->octets = 0;
+}
+
+static inline void gather_octet(const cube_view* c, uint32_t slot, float* x, float* y, float* z) {
+  const tile_slots* s = &c->slots;
+#if SIMD_WIDTH == 8
+  __m256 px = _mm256_permutevar8x32_ps(_mm256_loadu_ps(c->test[0]), cell_lanes(s->cx + slot));
+  __m256 py = _mm256_permutevar8x32_ps(_mm256_loadu_ps(c->test[1]), cell_lanes(s->cy + slot));
+  __m256 pz = _mm256_permutevar8x32_ps(_mm256_loadu_ps(c->test[2]), cell_lanes(s->cz + slot));
+  _mm256_storeu_ps(x, _mm256_add_ps(px, _mm256_loadu_ps(s->x + slot)));
+  _mm256_storeu_ps(y, _mm256_add_ps(py, _mm256_loadu_ps(s->y + slot)));
+  _mm256_storeu_ps(z, _mm256_add_ps(pz, _mm256_loadu_ps(s->z + slot)));
+#else
+  for (uint32_t i = 0; i < FIELD_OCTET; ++i) {
+    x[i] = c->test[0][s->cx[slot + i]] + s->x[slot + i];
+    y[i] = c->test[1][s->cy[slot + i]] + s->y[slot + i];
+    z[i] = c->test[2][s->cz[slot + i]] + s->z[slot + i];
+  }
+#endif
+}
+
+static void test_slots(walk* w, const cube_view* c, program_view program, batch* b, uint32_t first, uint32_t end) {
+  for (uint32_t slot = first; slot < end; slot += FIELD_OCTET) {
+    uint32_t mask = octet_mask(c, slot, end);
+    if (mask == 0) continue;
+    uint32_t o = b->octets++;
+    b->slot[o] = slot;
+    b->mask[o] = (uint8_t)mask;
+    gather_octet(c, slot, b->x + o * FIELD_OCTET, b->y + o * FIELD_OCTET, b->z + o * FIELD_OCTET);
+    if (b->octets == SUPPORT_BATCH / FIELD_OCTET) flush(w, c, program, b);
+  }
+}
+
+/* A straddling cube: block by block. */
+static void visit_cube(walk* w, const int64_t at[3], program_view program) {
+  const query_run* run = w->run;
+  const scree_field* field = w->field;
+  cube_view c;
+  parts p;
+  for (int a = 0; a < 3; ++a) {
+    c.at[a] = (int32_t)at[a];
+    place_axis(w, run->test_base[a], at[a], c.test[a]);
+  }
+  set_range(w, &c);
+  uint32_t lanes = 0;
+  for (uint32_t b = 0; b < FIELD_BLOCKS; ++b) {
+    const field_block* block = &field->blocks[b];
+    p.x[b] = c.test[0][0] + block->centre[0];
+    p.y[b] = c.test[1][0] + block->centre[1];
+    p.z[b] = c.test[2][0] + block->centre[2];
+    p.radius[b] = block->radius;
+    bool some = true;
+    for (int a = 0; a < 3; ++a) some = some && block->low[a] < c.high[a] && block->high[a] > c.low[a];
+    lanes |= (uint32_t)some << b;
+  }
+  bound_parts(w, program, &p, lanes);
+  if ((p.bulk | p.straddling) == 0) return;
+
+  set_tile(w, &c,
+           side_colours(field->seed, c.at[0], c.at[1], c.at[2]) | side_colours(field->seed, c.at[0] + 1, c.at[1], c.at[2]) << 1);
+  for (int a = 0; a < 3; ++a) place_axis(w, run->out_base[a], at[a], c.out[a]);
+  batch todo;
+  todo.octets = 0;
+  for (uint32_t b = 0; b < FIELD_BLOCKS;) { /* runs of blocks with the same fate are neighbours in the slots */
+    uint32_t kind = (p.bulk >> b & 1) | (p.straddling >> b & 1) << 1, first = b;
+    while (b < FIELD_BLOCKS && ((p.bulk >> b & 1) | (p.straddling >> b & 1) << 1) == kind) ++b;
+    if (kind == 1) emit_slots(w, &c, c.tile->block_first[first], c.tile->block_first[b]);
+    if (kind == 2) test_slots(w, &c, program, &todo, c.tile->block_first[first], c.tile->block_first[b]);
+  }
+  if (todo.octets > 0) flush(w, &c, program, &todo);
+}
+
+/* All rocks of whole cubes: low <= at < high, as far as their cells belong to the query. */
+static void emit_cubes(walk* w, const int64_t low[3], const int64_t high[3]) {
+  const query_run* run = w->run;
+  const scree_field* field = w->field;
+  cube_view c;
+  for (int64_t z = low[2]; z < high[2]; ++z)
+    for (int64_t y = low[1]; y < high[1]; ++y) {
+      c.at[1] = (int32_t)y;
+      c.at[2] = (int32_t)z;
+      place_axis(w, run->out_base[1], y, c.out[1]);
+      place_axis(w, run->out_base[2], z, c.out[2]);
+      uint32_t left = side_colours(field->seed, (int32_t)low[0], c.at[1], c.at[2]);
+      for (int64_t x = low[0]; x < high[0]; ++x) {
+        c.at[0] = (int32_t)x;
+        place_axis(w, run->out_base[0], x, c.out[0]);
+        uint32_t right = side_colours(field->seed, c.at[0] + 1, c.at[1], c.at[2]);
+        set_tile(w, &c, left | right << 1);
+        left = right;
+        set_range(w, &c);
+        emit_slots(w, &c, 0, c.tile->block_first[FIELD_BLOCKS]);
+      }
+    }
+}
+
+/* --- octree ---------------------------------------------------------------------------------------------------------------- */
+
+/* One half of a node along one axis. */
+typedef struct node_side {
+  int64_t low, high;  /* cubes, cut to the query's */
+  float centre, half; /* of the box that holds the centroids, support's space */
+  bool some;
+} node_side;
+
+static node_side side_of(const walk* w, int axis, int64_t low, int64_t high) {
+  const query_run* run = w->run;
+  const scree_field* field = w->field;
+  node_side s = {low > run->cube_low[axis] ? low : run->cube_low[axis], high < run->cube_high[axis] ? high : run->cube_high[axis],
+                 0, 0, false};
+  if (s.low >= s.high) return s;
+  int64_t first = s.low * w->n, last = s.high * w->n - 1; /* cells */
+  if (first < run->cell_low[axis]) first = run->cell_low[axis];
+  if (last > run->cell_high[axis] - 1) last = run->cell_high[axis] - 1;
+  double stray_low = (double)field->centroid_min[axis], stray_high = (double)field->centroid_max[axis];
+  s.centre = (float)(run->test_base[axis] + field->cell_size * ((double)(first + last) * 0.5) + (stray_low + stray_high) * 0.5);
+  s.half = (float)(field->cell_size * ((double)(last - first) * 0.5) + (stray_high - stray_low) * 0.5);
+  s.some = true;
+  return s;
+}
+
+/* A node of 2^k cubes a side, k >= 1: its eight children. */
+static void visit_node(walk* w, const int64_t at[3], int64_t size, program_view program) {
+  int64_t half = size / 2;
+  node_side sides[3][2];
+  for (int a = 0; a < 3; ++a)
+    for (int s = 0; s < 2; ++s) sides[a][s] = side_of(w, a, at[a] + s * half, at[a] + (s + 1) * half);
+  parts p;
+  uint32_t lanes = 0;
+  for (uint32_t c = 0; c < PARTS; ++c) {
+    const node_side *x = &sides[0][c & 1], *y = &sides[1][c >> 1 & 1], *z = &sides[2][c >> 2];
+    p.x[c] = x->centre;
+    p.y[c] = y->centre;
+    p.z[c] = z->centre;
+    p.radius[c] = sqrtf(x->half * x->half + y->half * y->half + z->half * z->half);
+    lanes |= (uint32_t)(x->some && y->some && z->some) << c;
+  }
+  bound_parts(w, program, &p, lanes);
+
+  uint32_t mark = w->arena_used;
+  program_view programs[PARTS];
+  for (uint32_t c = 0; c < PARTS; ++c) /* before the children, who use the same scratch */
+    if (p.straddling >> c & 1) programs[c] = p.prunable >> c & 1 ? prune(w, program, c) : program;
+  for (uint32_t c = 0; c < PARTS; ++c) {
+    const node_side *x = &sides[0][c & 1], *y = &sides[1][c >> 1 & 1], *z = &sides[2][c >> 2];
+    const int64_t low[3] = {x->low, y->low, z->low}, high[3] = {x->high, y->high, z->high};
+    if (p.bulk >> c & 1) emit_cubes(w, low, high);
+    if (!(p.straddling >> c & 1)) continue;
+    if (half == 1) {
+      visit_cube(w, low, programs[c]);
+    } else {
+      const int64_t child[3] = {at[0] + half * (c & 1), at[1] + half * (c >> 1 & 1), at[2] + half * (c >> 2)};
+      visit_node(w, child, half, programs[c]);
+    }
+  }
+  w->arena_used = mark;
+}
+
+static void walk_query(query_run* run) {
+  walk w;
+  w.run = run;
+  w.field = run->field;
+  w.ops = run->support->ops;
+  w.n = run->field->cells_per_cube;
+  w.count = 0;
+  w.arena_used = 0;
+  int64_t at[3], size = 2;
+  for (int a = 0; a < 3; ++a) {
+    at[a] = run->cube_low[a];
+    while (size < (int64_t)run->cube_high[a] - run->cube_low[a]) size *= 2;
+  }
+  visit_node(&w, at, size, (program_view){run->support->program, run->support->op_count});
+  run->count = w.count;
+}
+
+#endif

@@ -1,0 +1,130 @@
+/* Short vectors of floats for the kernels that are compiled twice, once for the plain target and once for AVX2.
+ *
+ * Everything here has one meaning whatever the width: the lanes never talk to each other, and each operation is the IEEE one
+ * that the scalar language has. So both builds of a kernel give the same bits. Comparisons give all ones or all zeros.
+ * GCC's and clang's vector extensions carry + - * / and comparisons; only what they lack is spelt out for each target. */
+#ifndef SCREE_SIMD_H
+#define SCREE_SIMD_H
+
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+#if defined(__AVX2__)
+#include <immintrin.h>
+#define SIMD_WIDTH 8
+#else
+#define SIMD_WIDTH 4
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#elif defined(__aarch64__)
+#include <arm_neon.h>
+#endif
+#endif
+
+typedef float vfloat __attribute__((vector_size(4 * SIMD_WIDTH)));
+typedef int32_t vint __attribute__((vector_size(4 * SIMD_WIDTH)));
+
+static inline vfloat v_load(const float* from) {
+  vfloat v;
+  memcpy(&v, from, sizeof v);
+  return v;
+}
+
+static inline void v_store(float* to, vfloat v) {
+  memcpy(to, &v, sizeof v);
+}
+
+static inline vfloat v_set(float x) {
+  return x - (vfloat){0};
+}
+
+static inline vint v_set_int(int32_t x) {
+  return x - (vint){0};
+}
+
+/* mask ? a : b, lane by lane. */
+static inline vfloat v_select(vint mask, vfloat a, vfloat b) {
+#if defined(__AVX2__)
+  return (vfloat)_mm256_blendv_ps((__m256)b, (__m256)a, (__m256)mask);
+#else
+  return (vfloat)(((vint)a & mask) | ((vint)b & ~mask));
+#endif
+}
+
+/* a < b ? a : b and a > b ? a : b: the second when a lane is not a number, which is how a bound is put on anything at all. */
+static inline vfloat v_min(vfloat a, vfloat b) {
+#if defined(__AVX2__)
+  return (vfloat)_mm256_min_ps((__m256)a, (__m256)b);
+#elif defined(__SSE2__)
+  return (vfloat)_mm_min_ps((__m128)a, (__m128)b);
+#else
+  return v_select(a < b, a, b);
+#endif
+}
+
+static inline vfloat v_max(vfloat a, vfloat b) {
+#if defined(__AVX2__)
+  return (vfloat)_mm256_max_ps((__m256)a, (__m256)b);
+#elif defined(__SSE2__)
+  return (vfloat)_mm_max_ps((__m128)a, (__m128)b);
+#else
+  return v_select(a > b, a, b);
+#endif
+}
+
+static inline vfloat v_clamp(vfloat v, vfloat low, vfloat high) {
+  return v_max(v_min(v, high), low);
+}
+
+static inline vfloat v_abs(vfloat v) {
+  return (vfloat)((vint)v & v_set_int(INT32_MAX));
+}
+
+static inline vfloat v_sqrt(vfloat v) {
+#if defined(__AVX2__)
+  return (vfloat)_mm256_sqrt_ps((__m256)v);
+#elif defined(__SSE2__)
+  return (vfloat)_mm_sqrt_ps((__m128)v);
+#elif defined(__aarch64__)
+  return (vfloat)vsqrtq_f32((float32x4_t)v);
+#else
+  for (int i = 0; i < SIMD_WIDTH; ++i) v[i] = sqrtf(v[i]);
+  return v;
+#endif
+}
+
+/* Towards zero; lanes must fit int32. */
+static inline vint v_truncate(vfloat v) {
+  return __builtin_convertvector(v, vint);
+}
+
+static inline vfloat v_from_int(vint v) {
+  return __builtin_convertvector(v, vfloat);
+}
+
+/* Bit i is set where lane i of a comparison is. */
+static inline uint32_t v_bits(vint mask) {
+#if defined(__AVX2__)
+  return (uint32_t)_mm256_movemask_ps((__m256)mask);
+#elif defined(__SSE2__)
+  return (uint32_t)_mm_movemask_ps((__m128)mask);
+#else
+  uint32_t bits = 0;
+  for (int i = 0; i < SIMD_WIDTH; ++i) bits |= ((uint32_t)mask[i] & 1u) << i;
+  return bits;
+#endif
+}
+
+/* table[index], lane by lane; GCC 12 does not find the AVX2 gather by itself. */
+static inline vfloat v_gather(const float* table, vint index) {
+#if defined(__AVX2__)
+  return (vfloat)_mm256_i32gather_ps(table, (__m256i)index, 4);
+#else
+  vfloat v = {0};
+  for (int i = 0; i < SIMD_WIDTH; ++i) v[i] = table[index[i]];
+  return v;
+#endif
+}
+
+#endif

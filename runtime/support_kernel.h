@@ -1,0 +1,213 @@
+/* Evaluation of support programs, as static functions: included by each kernel (query_kernel_plain.c, query_kernel_avx2.c) and
+ * compiled for its target. Distances after Inigo Quilez, "Distance functions"; all are exact or never too large, so moving by s
+ * changes them by at most lipschitz * s. */
+#ifndef SCREE_SUPPORT_KERNEL_H
+#define SCREE_SUPPORT_KERNEL_H
+
+#include "simd.h"
+#include "support_program.h"
+
+typedef struct vpoint {
+  vfloat x, y, z;
+} vpoint;
+
+static inline vfloat dot3(vfloat ax, vfloat ay, vfloat az, const float b[3]) {
+  return ax * v_set(b[0]) + ay * v_set(b[1]) + az * v_set(b[2]);
+}
+
+static inline vfloat length2(vfloat x, vfloat y) {
+  return v_sqrt(x * x + y * y);
+}
+static inline vfloat length3(vfloat x, vfloat y, vfloat z) {
+  return v_sqrt(x * x + y * y + z * z);
+}
+
+static inline vpoint minus(vpoint p, const float c[3]) {
+  return (vpoint){p.x - v_set(c[0]), p.y - v_set(c[1]), p.z - v_set(c[2])};
+}
+
+static inline vpoint into_frame(const op_frame* f, vpoint p) {
+  vpoint q = minus(p, f->centre);
+  return (vpoint){dot3(q.x, q.y, q.z, f->rows[0]), dot3(q.x, q.y, q.z, f->rows[1]), dot3(q.x, q.y, q.z, f->rows[2])};
+}
+
+static inline vfloat distance_sphere(const support_op* op, vpoint p) {
+  vpoint q = minus(p, op->sphere.centre);
+  return length3(q.x, q.y, q.z) - v_set(op->sphere.radius);
+}
+
+static inline vfloat distance_core(const support_op* op, vpoint q) {
+  const vfloat zero = v_set(0);
+  vfloat x = v_abs(q.x) - v_set(op->box.core[0]);
+  vfloat y = v_abs(q.y) - v_set(op->box.core[1]);
+  vfloat z = v_abs(q.z) - v_set(op->box.core[2]);
+  vfloat outside = length3(v_max(x, zero), v_max(y, zero), v_max(z, zero));
+  return outside + v_min(v_max(x, v_max(y, z)), zero) - v_set(op->box.rounding);
+}
+
+static inline vfloat distance_capsule(const support_op* op, vpoint p) {
+  vpoint q = minus(p, op->capsule.a);
+  const float* ab = op->capsule.ab;
+  vfloat t = v_clamp(dot3(q.x, q.y, q.z, ab) * v_set(op->capsule.inverse_length2), v_set(0), v_set(1));
+  return length3(q.x - t * v_set(ab[0]), q.y - t * v_set(ab[1]), q.z - t * v_set(ab[2])) - v_set(op->capsule.radius);
+}
+
+/* Distance from an axis and height along it. */
+static inline vfloat off_axis(vpoint q, const float axis[3], vfloat* height) {
+  *height = dot3(q.x, q.y, q.z, axis);
+  return length3(q.x - *height * v_set(axis[0]), q.y - *height * v_set(axis[1]), q.z - *height * v_set(axis[2]));
+}
+
+static inline vfloat distance_cylinder(const support_op* op, vpoint p) {
+  const vfloat zero = v_set(0);
+  vfloat height, r = off_axis(minus(p, op->cylinder.centre), op->cylinder.axis, &height);
+  vfloat a = r - v_set(op->cylinder.radius), b = v_abs(height) - v_set(op->cylinder.half_height);
+  return length2(v_max(a, zero), v_max(b, zero)) + v_min(v_max(a, b), zero);
+}
+
+/* In the half plane (r, height): the nearest of the base, from (0, 0) to (radius, 0), and the side, from there to (0, height). */
+static inline vfloat distance_cone(const support_op* op, vpoint p) {
+  const vfloat radius = v_set(op->cone.radius), tall = v_set(op->cone.height);
+  vfloat y, r = off_axis(minus(p, op->cone.base), op->cone.axis, &y);
+  vfloat out = r - radius; /* from the rim */
+  vfloat t = v_clamp((y * tall - out * radius) * v_set(op->cone.inverse_side2), v_set(0), v_set(1));
+  vfloat side_r = out + t * radius, side_y = y - t * tall;
+  vfloat base_r = v_max(out, v_set(0));
+  vfloat d = v_sqrt(v_min(side_r * side_r + side_y * side_y, base_r * base_r + y * y));
+  vint inside = (y > v_set(0)) & (out * tall + y * radius < v_set(0));
+  return v_select(inside, -d, d);
+}
+
+static inline vfloat distance_height(const support_op* op, vpoint p) {
+  const support_height* g = op->height.grid;
+  const vfloat zero = v_set(0);
+  vpoint q = into_frame(&op->height.frame, p);
+  vfloat u = v_clamp(q.x * v_set(g->inverse_spacing) + v_set(g->middle_u), zero, v_set((float)(g->width - 1)));
+  vfloat v = v_clamp(q.z * v_set(g->inverse_spacing) + v_set(g->middle_v), zero, v_set((float)(g->depth - 1)));
+  vint iu = v_truncate(v_min(u, v_set((float)(g->width - 2)))), iv = v_truncate(v_min(v, v_set((float)(g->depth - 2))));
+  u -= v_from_int(iu);
+  v -= v_from_int(iv);
+  vint index = iv * v_set_int((int32_t)g->width) + iu;
+  vfloat h00 = v_gather(g->heights, index), h10 = v_gather(g->heights + 1, index);
+  vfloat h01 = v_gather(g->heights + g->width, index), h11 = v_gather(g->heights + g->width + 1, index);
+  vfloat near_side = h00 + u * (h10 - h00), far_side = h01 + u * (h11 - h01);
+  vfloat surface = near_side + v * (far_side - near_side);
+  vfloat layer = (v_abs(q.y - surface - v_set(g->middle)) - v_set(g->half)) * v_set(g->cosine);
+  vfloat x = v_abs(q.x) - v_set(g->extent_x), z = v_abs(q.z) - v_set(g->extent_z);
+  vfloat beside = length2(v_max(x, zero), v_max(z, zero)) + v_min(v_max(x, z), zero);
+  return v_max(layer, beside) * v_set(op->height.frame.scale);
+}
+
+static inline vfloat distance_mesh(const support_op* op, vpoint p) {
+  const support_mesh* g = op->mesh.grid;
+  vpoint q = into_frame(&op->mesh.frame, p);
+  const vfloat zero = v_set(0);
+  vfloat at[3] = {q.x, q.y, q.z}, part[3], away2 = zero;
+  vint cell[3];
+  for (int a = 0; a < 3; ++a) {
+    vfloat inside = v_clamp(at[a], v_set(g->low[a]), v_set(g->high[a]));
+    vfloat away = at[a] - inside;
+    away2 += away * away;
+    vfloat u = (inside - v_set(g->low[a])) * v_set(g->inverse_step);
+    cell[a] = v_truncate(v_clamp(u, zero, v_set((float)(g->size[a] - 2))));
+    part[a] = v_min(u - v_from_int(cell[a]), v_set(1));
+  }
+  vint row = v_set_int((int32_t)g->size[0]), index = (cell[2] * v_set_int((int32_t)g->size[1]) + cell[1]) * row + cell[0];
+  const float* samples = g->samples;
+  vfloat plane[2];
+  for (int k = 0; k < 2; ++k) {
+    vfloat line[2];
+    for (int j = 0; j < 2; ++j) {
+      const float* from = samples + ((size_t)k * g->size[1] + (size_t)j) * g->size[0];
+      vfloat a = v_gather(from, index), b = v_gather(from + 1, index);
+      line[j] = a + part[0] * (b - a);
+    }
+    plane[k] = line[0] + part[1] * (line[1] - line[0]);
+  }
+  vfloat d = plane[0] + part[2] * (plane[1] - plane[0]);
+  /* Beside the grid: what the nearest point of the grid says, at right angles to the way there. */
+  d = v_select(away2 > zero, v_sqrt(d * d + away2), d);
+  return d * v_set(op->mesh.frame.scale);
+}
+
+static inline vfloat smooth_min(vfloat a, vfloat b, float blend, float inverse_blend) {
+  vfloat h = v_max(v_set(blend) - v_abs(a - b), v_set(0)) * v_set(inverse_blend);
+  return v_min(a, b) - h * h * v_set(blend * 0.25f);
+}
+
+static void distance_callback(const support_op* op, const float* x, const float* y, const float* z, float* d, uint32_t count) {
+  float px[SUPPORT_BATCH] = {0}, py[SUPPORT_BATCH] = {0}, pz[SUPPORT_BATCH] = {0};
+  for (uint32_t i = 0; i < count; i += SIMD_WIDTH) {
+    vpoint q = into_frame(&op->callback.frame, (vpoint){v_load(x + i), v_load(y + i), v_load(z + i)});
+    v_store(px + i, q.x);
+    v_store(py + i, q.y);
+    v_store(pz + i, q.z);
+  }
+  op->callback.distance(op->callback.user, px, py, pz, d, count);
+  const float *low = op->callback.min, *high = op->callback.max;
+  for (uint32_t i = 0; i < count; i += SIMD_WIDTH) {
+    vfloat qx = v_load(px + i), qy = v_load(py + i), qz = v_load(pz + i), value = v_load(d + i);
+    vfloat away = length3(qx - v_clamp(qx, v_set(low[0]), v_set(high[0])), qy - v_clamp(qy, v_set(low[1]), v_set(high[1])),
+                          qz - v_clamp(qz, v_set(low[2]), v_set(high[2])));
+    value = v_select(away > v_set(0), v_max(away, value), value);
+    v_store(d + i, value * v_set(op->callback.frame.scale));
+  }
+}
+
+/* Distances of one leaf; count is a multiple of SIMD_WIDTH and at most SUPPORT_BATCH. */
+static void evaluate_leaf(const support_op* op, const float* x, const float* y, const float* z, float* d, uint32_t count) {
+#define EACH(expression)                                            \
+  for (uint32_t i = 0; i < count; i += SIMD_WIDTH) {                \
+    const vpoint p = {v_load(x + i), v_load(y + i), v_load(z + i)}; \
+    v_store(d + i, expression);                                     \
+  }                                                                 \
+  break
+  switch (op->kind) {
+    case OP_SPHERE: EACH(distance_sphere(op, p));
+    case OP_BOX: EACH(distance_core(op, minus(p, op->box.frame.centre)));
+    case OP_BOX_TURNED: EACH(distance_core(op, into_frame(&op->box.frame, p)));
+    case OP_CAPSULE: EACH(distance_capsule(op, p));
+    case OP_CYLINDER: EACH(distance_cylinder(op, p));
+    case OP_CONE: EACH(distance_cone(op, p));
+    case OP_HEIGHTFIELD: EACH(distance_height(op, p));
+    case OP_MESH: EACH(distance_mesh(op, p));
+    default: distance_callback(op, x, y, z, d, count); break;
+  }
+#undef EACH
+}
+
+static void combine(const support_op* op, float* a, const float* b, uint32_t count) {
+#define EACH(expression)                                 \
+  for (uint32_t i = 0; i < count; i += SIMD_WIDTH) {     \
+    const vfloat va = v_load(a + i), vb = v_load(b + i); \
+    v_store(a + i, expression);                          \
+  }                                                      \
+  break
+  switch (op->kind) {
+    case OP_UNION: EACH(v_min(va, vb));
+    case OP_INTERSECTION: EACH(v_max(va, vb));
+    case OP_DIFFERENCE: EACH(v_max(va, -vb));
+    default: EACH(smooth_min(va, vb, op->smooth.blend, op->smooth.inverse_blend));
+  }
+#undef EACH
+}
+
+/* Distances of a program; count as above. `values` is scratch. The result lies in values[0]. */
+static void evaluate_program(const support_op* ops, const uint16_t* program, uint32_t length, const float* x, const float* y,
+                             const float* z, float values[SUPPORT_MAX_STACK][SUPPORT_BATCH], uint32_t count) {
+  uint32_t top = 0;
+  for (uint32_t i = 0; i < length; ++i) {
+    const support_op* op = &ops[program[i]];
+    if (op->kind < OP_UNION) {
+      evaluate_leaf(op, x, y, z, values[top++], count);
+    } else if (op->kind == OP_NEGATE) {
+      float* a = values[top - 1];
+      for (uint32_t k = 0; k < count; k += SIMD_WIDTH) v_store(a + k, -v_load(a + k));
+    } else {
+      --top;
+      combine(op, values[top - 1], values[top], count);
+    }
+  }
+}
+
+#endif

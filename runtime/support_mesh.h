@@ -1,0 +1,27 @@
+/* A closed triangle mesh as a support: its signed distance, sampled on a grid when the support is made. */
+#ifndef SCREE_SUPPORT_MESH_H
+#define SCREE_SUPPORT_MESH_H
+
+#include <scree/support.h>
+
+typedef struct support_mesh {
+  float* samples;     /* size[0] * size[1] * size[2], x fastest, metres, negative inside */
+  uint32_t size[3];   /* each >= 2 */
+  float low[3];       /* position of sample (0, 0, 0) */
+  float high[3];      /* position of the last sample */
+  float inverse_step; /* samples per metre */
+  float lipschitz;    /* of the interpolated distance */
+  float mesh_min[3], mesh_max[3];
+} support_mesh;
+
+/* Checks that the mesh is closed and does not lie inside out; shape_index is for the error's text. Returns SCREE_OK,
+ * INVALID_ARGUMENT, NOT_CLOSED or OUT_OF_MEMORY. */
+scree_result support_mesh_check(const scree_shape* shape, uint32_t shape_index, const scree_allocator* allocator,
+                                scree_error* error);
+
+/* Samples the distance; the mesh was checked. Returns SCREE_OK or OUT_OF_MEMORY, then with nothing left to release. */
+scree_result support_mesh_create(support_mesh* grid, const scree_shape* shape, const scree_jobs* jobs,
+                                 const scree_allocator* allocator);
+void support_mesh_destroy(support_mesh* grid, const scree_allocator* allocator);
+
+#endif

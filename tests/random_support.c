@@ -1,0 +1,164 @@
+#include "random_support.h"
+
+#include <math.h>
+#include <string.h>
+
+/* A wavy ball: 1-Lipschitz because the wave's slope is below 0.3 and the whole is divided by 1.3. */
+static void wavy_ball(void* user, const float* x, const float* y, const float* z, float* distance, uint32_t count) {
+  const float* wave = user;
+  for (uint32_t i = 0; i < count; ++i) {
+    float r = sqrtf(x[i] * x[i] + y[i] * y[i] + z[i] * z[i]), t = x[i] * wave[1];
+    float saw = fabsf(t - floorf(t) - 0.5f) * 0.3f / wave[1]; /* a triangle wave of slope 0.3 */
+    distance[i] = (r - wave[0] + saw) / 1.3f;
+  }
+}
+
+void random_rotation(random_stream* r, float q[4]) {
+  double v[4], length2;
+  do {
+    length2 = 0;
+    for (int a = 0; a < 4; ++a) {
+      v[a] = random_in(r, -1, 1);
+      length2 += v[a] * v[a];
+    }
+  } while (length2 > 1 || length2 < 0.01);
+  for (int a = 0; a < 4; ++a) q[a] = (float)(v[a] / sqrt(length2));
+}
+
+static void random_transform(random_stream* r, scree_transform* t, double reach) {
+  memset(t, 0, sizeof *t);
+  for (int a = 0; a < 3; ++a) t->translation[a] = (float)random_in(r, -reach, reach);
+  if (random_below(r, 3) > 0) random_rotation(r, t->rotation);
+  if (random_below(r, 2) > 0) t->scale = (float)random_in(r, 0.6, 1.6);
+}
+
+/* A ring of four square posts: 16 vertices, 32 triangles. */
+static void square_ring(float* positions, uint32_t* indices, random_stream* r, double size) {
+  double outer = size, inner = size * random_in(r, 0.3, 0.7), half = size * random_in(r, 0.2, 0.5);
+  for (uint32_t i = 0; i < 4; ++i)
+    for (uint32_t k = 0; k < 4; ++k) { /* k: outer bottom, outer top, inner top, inner bottom */
+      double radius = k < 2 ? outer : inner, y = k == 1 || k == 2 ? half : -half;
+      float* p = &positions[3 * (4 * i + k)];
+      p[0] = (float)(radius * (i == 0 || i == 3 ? 1 : -1));
+      p[1] = (float)y;
+      p[2] = (float)(radius * (i < 2 ? 1 : -1));
+    }
+  uint32_t* t = indices;
+  for (uint32_t i = 0; i < 4; ++i)
+    for (uint32_t k = 0; k < 4; ++k) {
+      uint32_t a = 4 * i + k, b = 4 * i + (k + 1) % 4, c = 4 * ((i + 1) % 4) + (k + 1) % 4, d = 4 * ((i + 1) % 4) + k;
+      const uint32_t quad[6] = {a, b, c, a, c, d};
+      memcpy(t, quad, sizeof quad);
+      t += 6;
+    }
+}
+
+static void fill_leaf(random_support* s, uint32_t leaf, random_stream* r, scree_shape* shape, scree_shape_kind kind, double reach) {
+  memset(shape, 0, sizeof *shape);
+  shape->kind = kind;
+  random_transform(r, &shape->transform, reach * 0.5);
+  double size = reach * random_in(r, 0.15, 0.5);
+  switch (kind) {
+    case SCREE_SHAPE_SPHERE: shape->sphere.radius = (float)size; break;
+    case SCREE_SHAPE_BOX: {
+      float least = (float)size;
+      for (int a = 0; a < 3; ++a) {
+        shape->box.half[a] = (float)(size * random_in(r, 0.3, 1.2));
+        if (shape->box.half[a] < least) least = shape->box.half[a];
+      }
+      shape->box.rounding = random_below(r, 2) ? (float)random_in(r, 0, 1) * least : 0;
+      break;
+    }
+    case SCREE_SHAPE_CAPSULE:
+      for (int a = 0; a < 3; ++a) {
+        shape->capsule.a[a] = (float)random_in(r, -size, size);
+        shape->capsule.b[a] = random_below(r, 8) ? (float)random_in(r, -size, size) : shape->capsule.a[a];
+      }
+      shape->capsule.radius = (float)(size * random_in(r, 0.2, 0.7));
+      break;
+    case SCREE_SHAPE_CYLINDER:
+      shape->cylinder.radius = (float)(size * random_in(r, 0.3, 1));
+      shape->cylinder.half_height = (float)(size * random_in(r, 0.2, 1));
+      break;
+    case SCREE_SHAPE_CONE:
+      shape->cone.radius = (float)(size * random_in(r, 0.3, 1));
+      shape->cone.height = (float)(size * random_in(r, 0.4, 2));
+      break;
+    case SCREE_SHAPE_HEIGHTFIELD: {
+      uint32_t width = 2 + random_below(r, 22), depth = 2 + random_below(r, 22);
+      double spacing = 2 * size / (width > depth ? width : depth), steep = random_in(r, 0.1, 1);
+      for (uint32_t i = 0; i < width * depth; ++i) s->data[leaf].heights[i] = (float)(random_in(r, 0, 1) * spacing * steep);
+      shape->heightfield.heights = s->data[leaf].heights;
+      shape->heightfield.width = width;
+      shape->heightfield.depth = depth;
+      shape->heightfield.spacing = (float)spacing;
+      shape->heightfield.above = (float)(size * random_in(r, -0.1, 0.3));
+      shape->heightfield.below = (float)(size * random_in(r, 0.2, 0.5));
+      break;
+    }
+    case SCREE_SHAPE_MESH:
+      square_ring(s->data[leaf].mesh_positions, s->mesh_indices, r, size);
+      shape->mesh.positions = s->data[leaf].mesh_positions;
+      shape->mesh.indices = s->mesh_indices;
+      shape->mesh.vertex_count = 16;
+      shape->mesh.triangle_count = 32;
+      shape->mesh.resolution = 8 + random_below(r, 25);
+      break;
+    default:
+      shape->kind = SCREE_SHAPE_CALLBACK;
+      s->data[leaf].wave[0] = (float)size;
+      s->data[leaf].wave[1] = (float)random_in(r, 0.2, 1);
+      shape->callback.distance = wavy_ball;
+      shape->callback.user = s->data[leaf].wave;
+      for (int a = 0; a < 3; ++a) {
+        shape->callback.min[a] = (float)(-size * 1.0001);
+        shape->callback.max[a] = (float)(size * 1.0001);
+      }
+      break;
+  }
+}
+
+static scree_shape_kind any_kind(random_stream* r, bool with_mesh) {
+  scree_shape_kind kind = (scree_shape_kind)random_below(r, SCREE_SHAPE_CALLBACK + 1);
+  return kind == SCREE_SHAPE_MESH && !with_mesh ? SCREE_SHAPE_BOX : kind;
+}
+
+void random_leaf(random_support* s, random_stream* r, scree_shape_kind kind, double reach) {
+  memset(&s->desc, 0, sizeof s->desc);
+  fill_leaf(s, 0, r, &s->shapes[0], kind < SCREE_SHAPE_UNION ? kind : any_kind(r, false), reach);
+  s->desc.shapes = s->shapes;
+  s->desc.shape_count = 1;
+}
+
+void random_tree(random_support* s, random_stream* r, uint32_t leaves, double reach) {
+  memset(&s->desc, 0, sizeof s->desc);
+  /* Shapes are made from the last to the first: leaves, then groups over shapes that have no parent yet. */
+  uint32_t next = RANDOM_MAX_SHAPES, used = 0, orphans[RANDOM_MAX_SHAPES], orphan_count = 0;
+  for (uint32_t i = 0; i < leaves; ++i) {
+    fill_leaf(s, i, r, &s->shapes[--next], any_kind(r, false), reach);
+    orphans[orphan_count++] = next;
+  }
+  while (orphan_count > 1) {
+    uint32_t take = 2 + random_below(r, 3);
+    if (take > orphan_count) take = orphan_count;
+    scree_shape* group = &s->shapes[--next];
+    memset(group, 0, sizeof *group);
+    static const scree_shape_kind groups[] = {SCREE_SHAPE_UNION,      SCREE_SHAPE_UNION,        SCREE_SHAPE_INTERSECTION,
+                                              SCREE_SHAPE_DIFFERENCE, SCREE_SHAPE_SMOOTH_UNION, SCREE_SHAPE_SMOOTH_UNION};
+    group->kind = groups[random_below(r, 6)];
+    random_transform(r, &group->transform, reach * 0.1);
+    group->group.children = &s->children[used];
+    group->group.child_count = take;
+    group->group.blend = (float)(reach * random_in(r, 0.02, 0.4));
+    for (uint32_t k = 0; k < take; ++k) {
+      uint32_t pick = random_below(r, orphan_count);
+      s->children[used++] = orphans[pick];
+      orphans[pick] = orphans[--orphan_count];
+    }
+    orphans[orphan_count++] = next;
+  }
+  /* The array starts at shape `next`: children count from there. */
+  for (uint32_t i = 0; i < used; ++i) s->children[i] -= next;
+  s->desc.shapes = &s->shapes[next];
+  s->desc.shape_count = RANDOM_MAX_SHAPES - next;
+}

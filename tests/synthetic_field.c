@@ -1,0 +1,48 @@
+#include "synthetic_field.h"
+
+#include <stdlib.h>
+
+static void* must_allocate(size_t count, size_t size) {
+  void* memory = calloc(count, size);
+  if (memory == NULL) abort();
+  return memory;
+}
+
+synthetic_source synthetic_create(uint32_t n, uint32_t seeds_min, uint32_t seeds_max, uint64_t seed) {
+  random_stream r = {seed};
+  synthetic_source s = {0};
+  uint32_t cells = lattice_cell_count(n);
+  s.tile_cells = must_allocate((size_t)256 * n * n * n, sizeof *s.tile_cells);
+  s.cell_first = must_allocate(cells + 1, sizeof *s.cell_first);
+  s.rocks = must_allocate((size_t)cells * seeds_max, sizeof *s.rocks);
+  uint32_t* out = s.tile_cells;
+  for (uint32_t code = 0; code < 256; ++code)
+    for (uint32_t z = 0; z < n; ++z)
+      for (uint32_t y = 0; y < n; ++y)
+        for (uint32_t x = 0; x < n; ++x) *out++ = lattice_cell(n, code, x, y, z);
+
+  uint32_t rocks = 0;
+  float largest = 0;
+  for (uint32_t cell = 0; cell < cells; ++cell) {
+    s.cell_first[cell] = rocks;
+    uint32_t count = seeds_min + random_below(&r, seeds_max - seeds_min + 1);
+    uint32_t skip = seeds_max > count ? random_below(&r, seeds_max - count + 1) : 0; /* seeds whose rock vanished leave holes */
+    for (uint32_t k = 0; k < count; ++k) {
+      field_rock* rock = &s.rocks[rocks++];
+      for (int a = 0; a < 3; ++a) rock->centroid[a] = (float)random_in(&r, -0.5, 0.5);
+      rock->outer_radius = (float)random_in(&r, 0.45, 1.05);
+      rock->inner_radius = rock->outer_radius * (float)random_in(&r, 0.3, 0.8);
+      rock->seed = skip + k;
+      if (rock->outer_radius > largest) largest = rock->outer_radius;
+    }
+  }
+  s.cell_first[cells] = rocks;
+  s.source = (field_source){n, cells, rocks, seeds_max, largest, s.tile_cells, s.cell_first, s.rocks};
+  return s;
+}
+
+void synthetic_destroy(synthetic_source* s) {
+  free(s->tile_cells);
+  free(s->cell_first);
+  free(s->rocks);
+}
