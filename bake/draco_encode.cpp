@@ -31,8 +31,8 @@ std::vector<float> normals_of(const lattice_mesh& mesh) {
   std::vector<scree_vertex> vertices(mesh.vertex_count);
   for (uint32_t i = 0; i < mesh.vertex_count; ++i)
     std::memcpy(vertices[i].position, mesh.positions[i], sizeof vertices[i].position);
-  std::unique_ptr<int64_t[][4]> sums(new int64_t[mesh.vertex_count][4]);
-  mesh_normals(vertices.data(), mesh.vertex_count, mesh.indices, mesh.triangle_count, sums.get());
+  const std::unique_ptr<char[]> scratch(new char[size_t{mesh.vertex_count} * MESH_NORMALS_SCRATCH]);
+  mesh_normals(vertices.data(), mesh.vertex_count, mesh.indices, mesh.triangle_count, scratch.get());
   std::vector<float> normals;
   for (const scree_vertex& vertex : vertices)
     for (const int16_t component : vertex.normal) normals.push_back(static_cast<float>(component) / 32767.0f);
@@ -46,6 +46,22 @@ bool triangles_are_sound(const lattice_mesh& mesh) {
       if (corner[k] >= mesh.vertex_count || corner[k] == corner[(k + 1) % 3]) return false;
   }
   return true;
+}
+
+// Positions with the occlusion's levels as fourth component, or, when a measurement asks for it, apart from it or without.
+void add_vertices(const draco_encode_options& options, const lattice_mesh& mesh, const std::vector<uint8_t>& levels,
+                  draco::Mesh* out) {
+  const bool together = options.occlusion_bits > 0 && !options.occlusion_apart;
+  const int components = together ? 4 : 3;
+  std::vector<int16_t> values;
+  values.reserve(size_t{mesh.vertex_count} * 4);
+  for (uint32_t i = 0; i < mesh.vertex_count; ++i) {
+    values.insert(values.end(), mesh.positions[i], mesh.positions[i] + 3);
+    if (together) values.push_back(levels[i]);
+  }
+  add_attribute(out, draco::GeometryAttribute::POSITION, draco::DT_INT16, components, values.data(), mesh.vertex_count);
+  if (options.occlusion_bits > 0 && options.occlusion_apart)
+    add_attribute(out, draco::GeometryAttribute::GENERIC, draco::DT_UINT8, 1, levels.data(), mesh.vertex_count);
 }
 
 scree_result encode(const draco_encode_options& options, const lattice_mesh& mesh, const scree_allocator* allocator,
@@ -65,21 +81,18 @@ scree_result encode(const draco_encode_options& options, const lattice_mesh& mes
     const uint32_t* corner = mesh.indices + 3 * size_t{i};
     input.SetFace(draco::FaceIndex(i), {draco::PointIndex(corner[0]), draco::PointIndex(corner[1]), draco::PointIndex(corner[2])});
   }
-  const int positions =
-      add_attribute(&input, draco::GeometryAttribute::POSITION, draco::DT_INT16, 3, mesh.positions, mesh.vertex_count);
-  add_attribute(&input, draco::GeometryAttribute::GENERIC, draco::DT_UINT8, 1, levels.data(), mesh.vertex_count);
+  add_vertices(options, mesh, levels, &input);
 
   draco::ExpertEncoder encoder(input);
-  encoder.SetSpeedOptions(options.encoding_speed, options.decoding_speed);
+  encoder.SetSpeedOptions(options.speed, options.speed);
   encoder.SetEncodingMethod(options.sequential ? draco::MESH_SEQUENTIAL_ENCODING : draco::MESH_EDGEBREAKER_ENCODING);
-  if (options.submethod >= 0) encoder.SetEncodingSubmethod(options.submethod);
+  if (options.connectivity >= 0) encoder.options().SetGlobalInt("edgebreaker_method", options.connectivity);
   if (options.keep_normals) {
     const std::vector<float> normals = normals_of(mesh);
     const int id = add_attribute(&input, draco::GeometryAttribute::NORMAL, draco::DT_FLOAT32, 3, normals.data(), mesh.vertex_count);
     encoder.SetAttributeQuantization(id, 8);
   }
-  if (options.position_scheme >= 0) encoder.SetAttributePredictionScheme(positions, options.position_scheme);
-  encoder.options().SetGlobalBool("split_mesh_on_seams", options.single_surface);
+  encoder.options().SetGlobalBool("split_mesh_on_seams", !options.separate_surfaces);
   encoder.SetTrackEncodedProperties(true);
   draco::EncoderBuffer buffer;
   if (!encoder.EncodeToBuffer(&buffer).ok() || buffer.size() > UINT32_MAX) return SCREE_ERROR_INVALID_ARGUMENT;
@@ -99,10 +112,9 @@ scree_result encode(const draco_encode_options& options, const lattice_mesh& mes
 
 draco_encode_options draco_encode_defaults(void) {
   draco_encode_options options = {};
-  options.encoding_speed = options.decoding_speed = 5;
+  options.speed = 5;
+  options.connectivity = draco::MESH_EDGEBREAKER_STANDARD_ENCODING;
   options.occlusion_bits = OCCLUSION_BITS;
-  options.single_surface = true;
-  options.submethod = options.position_scheme = -1;
   return options;
 }
 

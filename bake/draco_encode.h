@@ -17,16 +17,16 @@ extern "C" {
  * Thread safety: any number of threads at once when the allocator allows it. */
 scree_result draco_encode(const lattice_mesh* mesh, const scree_allocator* allocator, rock_lod* out);
 
-/* The choices of the encoder, for measuring them; draco_encode uses draco_encode_defaults(). */
+/* The choices of the encoder, for measuring them; draco_encode uses draco_encode_defaults(). Only what the defaults make is
+ * accepted by the decoder. */
 typedef struct draco_encode_options {
-  int encoding_speed;  /* 0 smallest .. 10 fastest */
-  int decoding_speed;  /* as above; Draco takes the larger of the two for most of its choices */
-  bool sequential;     /* no edgebreaker: triangles as deltas of indices */
-  int occlusion_bits;  /* 1..8 */
-  bool keep_normals;   /* also store the area-weighted normals, 8 bits octahedral */
-  bool single_surface; /* all attributes share the triangles of the positions: nothing is spent on seams there cannot be */
-  int submethod;       /* -1 as the speed says, else MeshEdgebreakerConnectivityEncodingMethod */
-  int position_scheme; /* -1 as the speed says, else PredictionSchemeMethod */
+  int speed;              /* 0 smallest .. 10 fastest */
+  int connectivity;       /* -1 as the speed says, else MeshEdgebreakerConnectivityEncodingMethod */
+  bool sequential;        /* no edgebreaker: triangles as indices */
+  int occlusion_bits;     /* 0 (none) .. 8 */
+  bool occlusion_apart;   /* an attribute of its own instead of the positions' fourth component */
+  bool keep_normals;      /* also store the area-weighted normals, 8 bits octahedral */
+  bool separate_surfaces; /* let every attribute have seams, which Draco does below speed 6 unless told otherwise */
 } draco_encode_options;
 
 draco_encode_options draco_encode_defaults(void);

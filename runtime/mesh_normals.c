@@ -3,33 +3,71 @@
 #include <math.h>
 #include <string.h>
 
-void mesh_normals(scree_vertex* vertices, uint32_t vertex_count, const uint32_t* indices, uint32_t triangle_count,
-                  int64_t (*sums)[4]) {
-  memset(sums, 0, vertex_count * sizeof *sums);
-  for (uint32_t triangle = 0; triangle < triangle_count; ++triangle) {
-    const uint32_t* corner = indices + 3 * (size_t)triangle;
-    const int16_t* a = vertices[corner[0]].position;
-    const int16_t* b = vertices[corner[1]].position;
-    const int16_t* c = vertices[corner[2]].position;
-    const int64_t ux = b[0] - a[0], uy = b[1] - a[1], uz = b[2] - a[2];
-    const int64_t vx = c[0] - a[0], vy = c[1] - a[1], vz = c[2] - a[2];
-    const int64_t nx = uy * vz - uz * vy, ny = uz * vx - ux * vz, nz = ux * vy - uy * vx;
-    for (int i = 0; i < 3; ++i) {
-      int64_t* sum = sums[corner[i]];
-      sum[0] += nx;
-      sum[1] += ny;
-      sum[2] += nz;
-    }
+/* Sums of three numbers a vertex. Rocks of any usual size fit int32, which is twice as fast; the bound in mesh_normals() says when.
+ */
+#define DEFINE_SUM_NORMALS(name, integer)                                                                               \
+  static void name(const scree_vertex* vertices, const uint32_t* indices, uint32_t triangle_count, integer(*sums)[3]) { \
+    for (uint32_t triangle = 0; triangle < triangle_count; ++triangle) {                                                \
+      const uint32_t* corner = indices + 3 * (size_t)triangle;                                                          \
+      const int16_t* a = vertices[corner[0]].position;                                                                  \
+      const int16_t* b = vertices[corner[1]].position;                                                                  \
+      const int16_t* c = vertices[corner[2]].position;                                                                  \
+      const integer ux = b[0] - a[0], uy = b[1] - a[1], uz = b[2] - a[2];                                               \
+      const integer vx = c[0] - a[0], vy = c[1] - a[1], vz = c[2] - a[2];                                               \
+      const integer nx = uy * vz - uz * vy, ny = uz * vx - ux * vz, nz = ux * vy - uy * vx;                             \
+      for (int i = 0; i < 3; ++i) {                                                                                     \
+        integer* sum = sums[corner[i]];                                                                                 \
+        sum[0] += nx;                                                                                                   \
+        sum[1] += ny;                                                                                                   \
+        sum[2] += nz;                                                                                                   \
+      }                                                                                                                 \
+    }                                                                                                                   \
   }
-  for (uint32_t i = 0; i < vertex_count; ++i) {
-    const double x = (double)sums[i][0], y = (double)sums[i][1], z = (double)sums[i][2];
-    const double length = sqrt(x * x + y * y + z * z);
-    const bool flat = length > 0;
-    const double scale = flat ? 32767.0 / length : 0;
-    int16_t* normal = vertices[i].normal;
-    /* Truncation of a positive number is floor, without the call. */
-    normal[0] = (int16_t)((int32_t)(x * scale + 32768.5) - 32768);
-    normal[1] = flat ? (int16_t)((int32_t)(y * scale + 32768.5) - 32768) : 32767;
-    normal[2] = (int16_t)((int32_t)(z * scale + 32768.5) - 32768);
+DEFINE_SUM_NORMALS(sum_normals_32, int32_t)
+DEFINE_SUM_NORMALS(sum_normals_64, int64_t)
+
+/* Rounds to nearest; |value| <= 32767 up to rounding. Truncation of a positive number is floor, without the call. */
+static int16_t round_component(float value) {
+  return (int16_t)((int32_t)(value + 32768.5f) - 32768);
+}
+
+static void set_normal(float x, float y, float z, int16_t normal[3]) {
+  const float squared = x * x + y * y + z * z;
+  const float scale = squared > 0 ? 32767.0f / sqrtf(squared) : 0;
+  normal[0] = round_component(x * scale);
+  normal[1] = squared > 0 ? round_component(y * scale) : 32767;
+  normal[2] = round_component(z * scale);
+}
+
+/* The largest distance of two vertices along an axis. */
+static uint32_t extent(const scree_vertex* vertices, uint32_t vertex_count) {
+  int32_t greatest = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    int32_t low = INT16_MAX, high = INT16_MIN;
+    for (uint32_t i = 0; i < vertex_count; ++i) {
+      const int32_t p = vertices[i].position[axis];
+      low = p < low ? p : low;
+      high = p > high ? p : high;
+    }
+    greatest = high - low > greatest ? high - low : greatest;
+  }
+  return (uint32_t)greatest;
+}
+
+void mesh_normals(scree_vertex* vertices, uint32_t vertex_count, const uint32_t* indices, uint32_t triangle_count, void* scratch) {
+  const uint64_t reach = extent(vertices, vertex_count);
+  /* A component of a cross product is at most 2 reach^2, and a vertex has at most all triangles around it. */
+  if (2 * reach * reach < (UINT64_C(1) << 31) / ((uint64_t)triangle_count + 1)) {
+    int32_t(*sums)[3] = scratch;
+    memset(sums, 0, vertex_count * sizeof *sums);
+    sum_normals_32(vertices, indices, triangle_count, sums);
+    for (uint32_t i = 0; i < vertex_count; ++i)
+      set_normal((float)sums[i][0], (float)sums[i][1], (float)sums[i][2], vertices[i].normal);
+  } else {
+    int64_t(*sums)[3] = scratch;
+    memset(sums, 0, vertex_count * sizeof *sums);
+    sum_normals_64(vertices, indices, triangle_count, sums);
+    for (uint32_t i = 0; i < vertex_count; ++i)
+      set_normal((float)sums[i][0], (float)sums[i][1], (float)sums[i][2], vertices[i].normal);
   }
 }

@@ -10,9 +10,10 @@ extern "C" {
 #endif
 
 /* Fills `normal` of every vertex from the positions. A vertex without area around it gets +Y.
- * indices: 3 a triangle, each less than vertex_count. sums: vertex_count elements of scratch. */
-void mesh_normals(scree_vertex* vertices, uint32_t vertex_count, const uint32_t* indices, uint32_t triangle_count,
-                  int64_t (*sums)[4]);
+ * indices: 3 a triangle, each less than vertex_count.
+ * scratch: vertex_count * MESH_NORMALS_SCRATCH bytes, aligned for int64_t. */
+#define MESH_NORMALS_SCRATCH 24
+void mesh_normals(scree_vertex* vertices, uint32_t vertex_count, const uint32_t* indices, uint32_t triangle_count, void* scratch);
 
 #ifdef __cplusplus
 }

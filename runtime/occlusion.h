@@ -13,8 +13,9 @@ static inline uint8_t occlusion_level(uint8_t value) {
 }
 
 /* A level back to 0..255; levels out of range are clamped. */
-static inline uint8_t occlusion_value(uint32_t level) {
-  return (uint8_t)(((level < OCCLUSION_MAX ? level : OCCLUSION_MAX) * 255 + OCCLUSION_MAX / 2) / OCCLUSION_MAX);
+static inline uint8_t occlusion_value(int level) {
+  const unsigned clamped = level < 0 ? 0 : level > (int)OCCLUSION_MAX ? OCCLUSION_MAX : (unsigned)level;
+  return (uint8_t)((clamped * 255 + OCCLUSION_MAX / 2) / OCCLUSION_MAX);
 }
 
 #endif
