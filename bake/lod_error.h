@@ -1,0 +1,16 @@
+/* How far a coarse level of detail strays from the finest one. */
+#ifndef SCREE_LOD_ERROR_H
+#define SCREE_LOD_ERROR_H
+
+#include "surface_nets.h"
+
+/* Largest distance, in lattice steps, from a vertex of `fine` to the surface of `coarse`; never less than the true one, and rarely
+ * more. field: the one that `coarse` was made from; coarse->vertex_of is overwritten. scratch: lod_error_scratch(coarse) elements.
+ */
+float lod_error(const mesh_buffer* fine, const mesh_buffer* coarse, const voxel_field* field, uint32_t* scratch);
+
+static inline uint32_t lod_error_scratch(const mesh_buffer* coarse) {
+  return coarse->vertex_count + 1 + coarse->index_count;
+}
+
+#endif
