@@ -17,6 +17,7 @@ typedef struct bake_run {
   const kernel_set* kernels;
   seed_set seeds;
   block_tables tables;
+  shared_blocks shared;
   uint32_t cell_count;
   uint32_t slot_count;  /* seeds of all unique cells: rocks, before empty ones are dropped */
   uint32_t* cells;      /* unique cells by the tile they are baked in */

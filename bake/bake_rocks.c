@@ -42,6 +42,19 @@ static scree_result sort_cells(bake_run* out) {
   return SCREE_OK;
 }
 
+static void run_jobs(const scree_jobs* jobs, uint32_t count, void (*run)(void* context, uint32_t index, uint32_t worker),
+                     void* context) {
+  if (jobs->parallel_for != NULL)
+    jobs->parallel_for(jobs->user, count, run, context);
+  else
+    for (uint32_t index = 0; index < count; ++index) run(context, index, 0);
+}
+
+static void fill_shared(void* context, uint32_t index, uint32_t worker) {
+  (void)worker;
+  shared_blocks_fill(context, index);
+}
+
 scree_result bake_begin(const scree_bake_desc* desc, bool plain_kernels, bake_run* out) {
   memset(out, 0, sizeof *out);
   out->allocator = allocator_or_default(&desc->allocator);
@@ -51,6 +64,7 @@ scree_result bake_begin(const scree_bake_desc* desc, bool plain_kernels, bake_ru
   scree_result result = recipe_check_all(desc->recipe, NULL);
   if (result == SCREE_OK) result = seed_set_create(&out->recipe, &out->allocator, &out->seeds);
   if (result == SCREE_OK) result = block_tables_create(out->recipe.voxels_per_cell, &out->allocator, &out->tables);
+  if (result == SCREE_OK) result = shared_blocks_create(&out->seeds, &out->tables, out->kernels, &out->allocator, &out->shared);
   if (result == SCREE_OK) result = sort_cells(out);
   if (result == SCREE_OK) {
     out->workers = allocate_zeroed(&out->allocator, out->worker_count, sizeof *out->workers);
@@ -58,11 +72,15 @@ scree_result bake_begin(const scree_bake_desc* desc, bool plain_kernels, bake_ru
   }
   for (uint32_t w = 0; w < out->worker_count && result == SCREE_OK; ++w) {
     bake_worker* worker = &out->workers[w];
-    result = rock_worker_create(&out->recipe, &out->seeds, &out->tables, out->kernels, &out->allocator, &worker->rock);
+    result = rock_worker_create(&out->recipe, &out->shared, &out->allocator, &worker->rock);
     if (result == SCREE_OK) result = rock_mesher_create(&worker->rock, out->recipe.lattice_steps, &out->allocator, &worker->mesher);
   }
-  if (result != SCREE_OK) bake_end(out);
-  return result;
+  if (result != SCREE_OK) {
+    bake_end(out);
+    return result;
+  }
+  run_jobs(&desc->jobs, out->shared.count, fill_shared, &out->shared);
+  return SCREE_OK;
 }
 
 void bake_end(bake_run* bake) {
@@ -73,6 +91,7 @@ void bake_end(bake_run* bake) {
   release(&bake->allocator, bake->workers, bake->worker_count, sizeof *bake->workers);
   release(&bake->allocator, bake->cells, bake->cell_count, sizeof *bake->cells);
   release(&bake->allocator, bake->cell_rocks, (size_t)bake->cell_count + 1, sizeof *bake->cell_rocks);
+  shared_blocks_destroy(&bake->shared, &bake->allocator);
   block_tables_destroy(&bake->tables, &bake->allocator);
   seed_set_destroy(&bake->seeds, &bake->allocator);
   memset(bake, 0, sizeof *bake);
@@ -229,10 +248,7 @@ scree_result scree_bake_rocks(const scree_bake_desc* desc, uint8_t** bytes, size
   uint32_t* cell_first = allocate(&bake.allocator, (size_t)bake.cell_count + 1, sizeof *cell_first);
   if (set.rocks == NULL || cell_first == NULL) result = SCREE_ERROR_OUT_OF_MEMORY;
   if (result == SCREE_OK) {
-    if (desc->jobs.parallel_for != NULL)
-      desc->jobs.parallel_for(desc->jobs.user, TILES, bake_tile, &set);
-    else
-      for (uint32_t tile = 0; tile < TILES; ++tile) bake_tile(&set, tile, 0);
+    run_jobs(&desc->jobs, TILES, bake_tile, &set);
     result = (scree_result)atomic_load(&set.failure);
   }
 

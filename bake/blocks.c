@@ -1,5 +1,6 @@
 #include "blocks.h"
 
+#include <stdbool.h>
 #include <string.h>
 
 scree_result block_tables_create(uint32_t voxels, const scree_allocator* allocator, block_tables* out) {
@@ -44,44 +45,6 @@ void block_tables_destroy(block_tables* tables, const scree_allocator* allocator
   memset(tables, 0, sizeof *tables);
 }
 
-scree_result block_cache_create(const seed_set* seeds, const block_tables* tables, const kernel_set* kernels,
-                                const scree_allocator* allocator, block_cache* out) {
-  memset(out, 0, sizeof *out);
-  out->seeds = seeds;
-  out->tables = tables;
-  out->kernels = kernels;
-  out->side = seeds->n + 1;
-  const size_t count = (size_t)out->side * out->side * out->side;
-  /* Three float fields and one byte field a voxel; the byte field is counted as a quarter of a float one. */
-  const size_t voxels = (size_t)tables->plane * tables->voxels, floats = voxels * 3 + voxels / 4;
-  out->memory_count = count * floats;
-  out->blocks = allocate(allocator, count, sizeof *out->blocks);
-  out->filled = allocate_zeroed(allocator, count, 1);
-  out->memory = allocate(allocator, out->memory_count, sizeof *out->memory);
-  if (out->blocks == NULL || out->filled == NULL || out->memory == NULL) {
-    block_cache_destroy(out, allocator);
-    return SCREE_ERROR_OUT_OF_MEMORY;
-  }
-  for (size_t i = 0; i < count; ++i) {
-    float* at = out->memory + i * floats;
-    out->blocks[i].fields = (block_fields){at, at + voxels, at + 2 * voxels, (uint8_t*)(at + 3 * voxels)};
-  }
-  return SCREE_OK;
-}
-
-void block_cache_destroy(block_cache* cache, const scree_allocator* allocator) {
-  const size_t count = (size_t)cache->side * cache->side * cache->side;
-  release(allocator, cache->blocks, count, sizeof *cache->blocks);
-  release(allocator, cache->filled, count, 1);
-  release(allocator, cache->memory, cache->memory_count, sizeof *cache->memory);
-  memset(cache, 0, sizeof *cache);
-}
-
-void block_cache_begin(block_cache* cache, uint32_t code) {
-  cache->code = code;
-  memset(cache->filled, 0, (size_t)cache->side * cache->side * cache->side);
-}
-
 static void find_bounds(block* out, uint32_t seeds, uint32_t voxels, uint32_t plane) {
   for (uint32_t k = 0; k < seeds; ++k) {
     memset(out->bounds[k], 255, 3);
@@ -105,28 +68,158 @@ static void find_bounds(block* out, uint32_t seeds, uint32_t voxels, uint32_t pl
     }
 }
 
-const block* block_cache_get(block_cache* cache, int32_t x, int32_t y, int32_t z) {
-  const size_t index = (size_t)(x + 1) + cache->side * ((size_t)(y + 1) + cache->side * (size_t)(z + 1));
-  block* out = &cache->blocks[index];
-  if (cache->filled[index]) return out;
-  cache->filled[index] = 1;
-
+/* Computes the block of a tile whose lowest cell is (x, y, z). */
+static void fill_block(const seed_set* seeds_from, const block_tables* tables, const kernel_set* kernels, uint32_t code, int32_t x,
+                       int32_t y, int32_t z, block* out) {
   block_seed list[BLOCK_MAX_SEEDS];
   uint32_t count = 0;
   for (uint32_t corner = 0; corner < 8; ++corner) {
     const int32_t offset[3] = {(int32_t)(corner & 1), (int32_t)(corner >> 1 & 1), (int32_t)(corner >> 2)};
     uint32_t cell_seeds;
-    const rock_seed* seeds = seeds_of_cell(cache->seeds, cache->code, x + offset[0], y + offset[1], z + offset[2], &cell_seeds);
+    const rock_seed* seeds = seeds_of_cell(seeds_from, code, x + offset[0], y + offset[1], z + offset[2], &cell_seeds);
     out->first[corner] = (uint8_t)count;
     for (uint32_t s = 0; s < cell_seeds; ++s, ++count) {
       for (int axis = 0; axis < 3; ++axis)
-        list[count].position[axis] = (float)(seeds[s].position[axis] + offset[axis] * cache->seeds->unit);
+        list[count].position[axis] = (float)(seeds[s].position[axis] + offset[axis] * seeds_from->unit);
       memcpy(list[count].metric, seeds[s].metric, sizeof list[count].metric);
       list[count].corner = corner;
     }
   }
   out->first[8] = (uint8_t)count;
-  cache->kernels->voronoi_block(cache->tables, list, count, &out->fields);
-  find_bounds(out, count, cache->tables->voxels, cache->tables->plane);
+  kernels->voronoi_block(tables, list, count, &out->fields);
+  find_bounds(out, count, tables->voxels, tables->plane);
+}
+
+/* Floats that the fields of one block take: three a voxel, and a byte a voxel as a quarter of one. */
+static size_t block_floats(const block_tables* tables) {
+  const size_t voxels = (size_t)tables->plane * tables->voxels;
+  return voxels * 3 + voxels / 4;
+}
+
+static void lay_out(block* blocks, size_t count, float* memory, const block_tables* tables) {
+  const size_t voxels = (size_t)tables->plane * tables->voxels;
+  for (size_t i = 0; i < count; ++i) {
+    float* at = memory + i * block_floats(tables);
+    blocks[i].fields = (block_fields){at, at + voxels, at + 2 * voxels, (uint8_t*)(at + 3 * voxels)};
+  }
+}
+
+/* Place classes along one axis: 0 = above a plane, 1 = below it, 2.. = free. */
+static bool is_free(uint32_t class) {
+  return class >= 2;
+}
+
+static uint32_t variants(uint32_t n, uint32_t class) {
+  uint32_t free_axes = 0;
+  for (uint32_t axis = 0; axis < 3; ++axis, class /= n) free_axes += is_free(class % n);
+  return free_axes == 3 ? 0 : UINT32_C(1) << (UINT32_C(1) << free_axes);
+}
+
+scree_result shared_blocks_create(const seed_set* seeds, const block_tables* tables, const kernel_set* kernels,
+                                  const scree_allocator* allocator, shared_blocks* out) {
+  memset(out, 0, sizeof *out);
+  out->seeds = seeds;
+  out->tables = tables;
+  out->kernels = kernels;
+  const uint32_t classes = seeds->n * seeds->n * seeds->n;
+  out->first = allocate(allocator, classes, sizeof *out->first);
+  if (out->first == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
+  for (uint32_t class = 0; class < classes; ++class) {
+    const uint32_t count = variants(seeds->n, class);
+    out->first[class] = count == 0 ? UINT32_MAX : out->count;
+    out->count += count;
+  }
+  out->memory_count = out->count * block_floats(tables);
+  out->blocks = allocate(allocator, out->count, sizeof *out->blocks);
+  out->memory = allocate(allocator, out->memory_count, sizeof *out->memory);
+  if (out->blocks == NULL || out->memory == NULL) {
+    shared_blocks_destroy(out, allocator);
+    return SCREE_ERROR_OUT_OF_MEMORY;
+  }
+  lay_out(out->blocks, out->count, out->memory, tables);
+  return SCREE_OK;
+}
+
+void shared_blocks_destroy(shared_blocks* shared, const scree_allocator* allocator) {
+  const size_t n = shared->seeds == NULL ? 0 : shared->seeds->n;
+  release(allocator, shared->first, n * n * n, sizeof *shared->first);
+  release(allocator, shared->blocks, shared->count, sizeof *shared->blocks);
+  release(allocator, shared->memory, shared->memory_count, sizeof *shared->memory);
+  memset(shared, 0, sizeof *shared);
+}
+
+void shared_blocks_fill(shared_blocks* shared, uint32_t index) {
+  const uint32_t n = shared->seeds->n, classes = n * n * n;
+  uint32_t class = 0;
+  for (uint32_t c = 0; c < classes; ++c)
+    if (shared->first[c] != UINT32_MAX && shared->first[c] <= index) class = c;
+  const uint32_t colours = index - shared->first[class];
+  int32_t place[3];
+  uint32_t pinned = 0, value = 0;
+  for (uint32_t axis = 0, rest = class; axis < 3; ++axis, rest /= n) {
+    const uint32_t c = rest % n;
+    place[axis] = c == 0 ? 0 : c == 1 ? (int32_t)n - 1 : (int32_t)c - 1;
+    if (!is_free(c)) pinned |= 1u << axis, value |= (c == 1 ? 1u : 0u) << axis;
+  }
+  uint32_t code = 0;
+  for (uint32_t corner = 0, count = 0; corner < 8; ++corner)
+    if ((corner & pinned) == value) code |= (colours >> count++ & 1) << corner;
+  fill_block(shared->seeds, shared->tables, shared->kernels, code, place[0], place[1], place[2], &shared->blocks[index]);
+}
+
+scree_result block_cache_create(const shared_blocks* shared, const scree_allocator* allocator, block_cache* out) {
+  memset(out, 0, sizeof *out);
+  out->shared = shared;
+  out->side = shared->seeds->n - 2;
+  const size_t count = (size_t)out->side * out->side * out->side;
+  out->memory_count = count * block_floats(shared->tables);
+  out->blocks = allocate(allocator, count, sizeof *out->blocks);
+  out->filled = allocate_zeroed(allocator, count, 1);
+  out->memory = allocate(allocator, out->memory_count, sizeof *out->memory);
+  if (out->blocks == NULL || out->filled == NULL || out->memory == NULL) {
+    block_cache_destroy(out, allocator);
+    return SCREE_ERROR_OUT_OF_MEMORY;
+  }
+  lay_out(out->blocks, count, out->memory, shared->tables);
+  return SCREE_OK;
+}
+
+void block_cache_destroy(block_cache* cache, const scree_allocator* allocator) {
+  const size_t count = (size_t)cache->side * cache->side * cache->side;
+  release(allocator, cache->blocks, count, sizeof *cache->blocks);
+  release(allocator, cache->filled, count, 1);
+  release(allocator, cache->memory, cache->memory_count, sizeof *cache->memory);
+  memset(cache, 0, sizeof *cache);
+}
+
+void block_cache_begin(block_cache* cache, uint32_t code) {
+  cache->code = code;
+  memset(cache->filled, 0, (size_t)cache->side * cache->side * cache->side);
+}
+
+const block* block_cache_get(block_cache* cache, int32_t x, int32_t y, int32_t z) {
+  const shared_blocks* shared = cache->shared;
+  const uint32_t n = shared->seeds->n;
+  const int32_t place[3] = {x, y, z};
+  uint32_t class = 0, pinned = 0, value = 0;
+  for (uint32_t axis = 3; axis-- > 0;) {
+    const int32_t m = place[axis];
+    const uint32_t c = m == 0 ? 0 : m < 0 || m == (int32_t)n - 1 ? 1 : (uint32_t)m + 1;
+    class = class * n + c;
+    /* Below a plane: plane 0 for place -1, plane 1 for place N - 1. */
+    if (!is_free(c)) pinned |= 1u << axis, value |= (m > 0 ? 1u : 0u) << axis;
+  }
+  if (pinned != 0) {
+    uint32_t colours = 0, count = 0;
+    for (uint32_t corner = 0; corner < 8; ++corner)
+      if ((corner & pinned) == value) colours |= (cache->code >> corner & 1) << count++;
+    return &shared->blocks[shared->first[class] + colours];
+  }
+  const size_t index = (size_t)(x - 1) + cache->side * ((size_t)(y - 1) + cache->side * (size_t)(z - 1));
+  block* out = &cache->blocks[index];
+  if (!cache->filled[index]) {
+    cache->filled[index] = 1;
+    fill_block(shared->seeds, shared->tables, shared->kernels, cache->code, x, y, z, out);
+  }
   return out;
 }

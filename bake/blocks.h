@@ -14,13 +14,31 @@ typedef struct block {
   uint8_t bounds[BLOCK_MAX_SEEDS][6]; /* of the voxels each seed owns: min xyz, max xyz; min > max = owns none */
 } block;
 
-/* The blocks of one tile, made when they are first asked for. One worker's own. */
-typedef struct block_cache {
+/* Along each axis a block is pinned to a corner plane (between cells 0 and 1, or -1 and 0) or free. Blocks that are pinned along
+ * some axis stand in many tiles, so they are made once, for all workers; they are most of the blocks of a tile. */
+typedef struct shared_blocks {
   const seed_set* seeds;
   const block_tables* tables;
   const kernel_set* kernels;
+  uint32_t count;
+  uint32_t* first; /* [N^3] index of the first block of each place class; free along all axes: UINT32_MAX */
+  block* blocks;   /* [count] */
+  float* memory;
+  size_t memory_count;
+} shared_blocks;
+
+scree_result shared_blocks_create(const seed_set* seeds, const block_tables* tables, const kernel_set* kernels,
+                                  const scree_allocator* allocator, shared_blocks* out);
+void shared_blocks_destroy(shared_blocks* shared, const scree_allocator* allocator);
+
+/* Computes shared block `index`; different blocks may be computed at the same time. */
+void shared_blocks_fill(shared_blocks* shared, uint32_t index);
+
+/* The blocks of one tile that are free along all axes, made when they are first asked for. One worker's own. */
+typedef struct block_cache {
+  const shared_blocks* shared;
   uint32_t code;
-  uint32_t side;   /* N + 1 blocks along an axis, -1..N-1 */
+  uint32_t side;   /* N - 2 free places along an axis */
   block* blocks;   /* [side^3] */
   uint8_t* filled; /* [side^3] */
   float* memory;   /* fields of all blocks */
@@ -30,8 +48,7 @@ typedef struct block_cache {
 scree_result block_tables_create(uint32_t voxels, const scree_allocator* allocator, block_tables* out);
 void block_tables_destroy(block_tables* tables, const scree_allocator* allocator);
 
-scree_result block_cache_create(const seed_set* seeds, const block_tables* tables, const kernel_set* kernels,
-                                const scree_allocator* allocator, block_cache* out);
+scree_result block_cache_create(const shared_blocks* shared, const scree_allocator* allocator, block_cache* out);
 void block_cache_destroy(block_cache* cache, const scree_allocator* allocator);
 
 /* Turns to another tile; forgets the blocks of the last one. */

@@ -13,42 +13,56 @@ void neighbourhood_gather(const seed_set* set, uint32_t code, int32_t x, int32_t
     out->seeds[i] = seeds_of_cell(set, code, x + i % 3 - 1, y + i / 3 % 3 - 1, z + i / 9 - 1, &out->counts[i]);
 }
 
-/* Distance from a seed at p, both in units relative to the centre of the cell that `cell` is relative to. Infinite outside the
- * support. */
-static double seed_distance(const rock_seed* seed, const int32_t cell[3], int32_t unit, const double p[3]) {
-  double d[3], weight = 1;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double from_cell = (p[axis] - (double)cell[axis] * unit) / unit;
-    const double t = from_cell < 0 ? -from_cell : from_cell;
-    if (t >= 1) return INFINITY;
-    double slope;
-    weight *= support_weight(t, &slope);
-    d[axis] = from_cell - (double)seed->position[axis] / unit;
-  }
-  const float* m = seed->metric;
+static double quadratic_form(const float m[6], const double d[3]) {
   const double mx = (double)m[0] * d[0] + (double)m[3] * d[1] + (double)m[4] * d[2];
   const double my = (double)m[1] * d[1] + (double)m[5] * d[2];
-  return (mx * d[0] + my * d[1] + (double)m[2] * d[2] * d[2]) * weight;
+  return mx * d[0] + my * d[1] + (double)m[2] * d[2] * d[2];
 }
 
-/* The point between two seeds where their distances are equal, rounded to units. All cells are relative to the lower one. */
-static void bisect(const rock_seed* lower, const rock_seed* upper, const int32_t offset[3], int32_t unit, int32_t out[3]) {
-  static const int32_t zero[3] = {0, 0, 0};
-  double from[3], along[3], p[3];
+/* Product of the axes' weights at p cells from a cell's centre; infinite outside the support. */
+static double cell_weight(const double p[3]) {
+  double weight = 1, slope;
   for (int axis = 0; axis < 3; ++axis) {
-    from[axis] = lower->position[axis];
-    along[axis] = (double)(upper->position[axis] + offset[axis] * unit) - from[axis];
+    const double t = fabs(p[axis]);
+    if (t >= 1) return INFINITY;
+    if (t > 0.5) weight *= support_weight(t, &slope);
   }
+  return weight;
+}
+
+/* Distance from a seed at p, in units from the centre of the cell that `cell` is relative to. Infinite outside the support. */
+static double seed_distance(const rock_seed* seed, const int32_t cell[3], int32_t unit, const double p[3]) {
+  double from_cell[3], d[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    from_cell[axis] = (p[axis] - (double)cell[axis] * unit) / unit;
+    d[axis] = from_cell[axis] - (double)seed->position[axis] / unit;
+  }
+  const double weight = cell_weight(from_cell);
+  return weight < INFINITY ? quadratic_form(seed->metric, d) * weight : INFINITY;
+}
+
+/* The point between two seeds where their distances are equal, rounded to units. All cells are relative to the lower one. On the
+ * way from one seed to the other both quadratic forms are the same form of the whole way, times the share of it squared. */
+static void bisect(const rock_seed* lower, const rock_seed* upper, const int32_t offset[3], int32_t unit, int32_t out[3]) {
+  double from[3], along[3], p[3], q[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    from[axis] = (double)lower->position[axis] / unit;
+    along[axis] = (double)(upper->position[axis] + offset[axis] * unit - lower->position[axis]) / unit;
+  }
+  const double lower_form = quadratic_form(lower->metric, along), upper_form = quadratic_form(upper->metric, along);
   double low = 0, high = 1;
   for (int step = 0; step < 16; ++step) { /* 2 cells / 2^16 is below one unit */
-    const double middle = (low + high) * 0.5;
-    for (int axis = 0; axis < 3; ++axis) p[axis] = from[axis] + along[axis] * middle;
-    if (seed_distance(lower, zero, unit, p) < seed_distance(upper, offset, unit, p))
+    const double middle = (low + high) * 0.5, rest = 1 - middle;
+    for (int axis = 0; axis < 3; ++axis) {
+      p[axis] = from[axis] + along[axis] * middle;
+      q[axis] = p[axis] - offset[axis];
+    }
+    if (middle * middle * lower_form * cell_weight(p) < rest * rest * upper_form * cell_weight(q))
       low = middle;
     else
       high = middle;
   }
-  for (int axis = 0; axis < 3; ++axis) out[axis] = (int32_t)floor(from[axis] + along[axis] * high + 0.5);
+  for (int axis = 0; axis < 3; ++axis) out[axis] = (int32_t)floor((from[axis] + along[axis] * high) * unit + 0.5);
 }
 
 /* Is any seed but the pair nearer to the point than the lower one? `lower` and `upper` are places in the 27 cells, `point` is

@@ -12,18 +12,19 @@
 #define FIELD_LIMIT 0.5f /* cells; deeper or farther than this makes no difference */
 #define MARGIN 2         /* empty voxels around what a rock owns */
 
-scree_result rock_worker_create(const scree_recipe* recipe, const seed_set* seeds, const block_tables* tables,
-                                const kernel_set* kernels, const scree_allocator* allocator, rock_worker* out) {
+scree_result rock_worker_create(const scree_recipe* recipe, const shared_blocks* shared, const scree_allocator* allocator,
+                                rock_worker* out) {
   memset(out, 0, sizeof *out);
   out->recipe = recipe;
-  out->seeds = seeds;
-  out->kernels = kernels;
-  const uint32_t side = 2 * seeds->voxels + 2 * MARGIN;
+  out->seeds = shared->seeds;
+  out->tables = shared->tables;
+  out->kernels = shared->kernels;
+  const uint32_t side = 2 * out->seeds->voxels + 2 * MARGIN;
   out->capacity = round_to_lanes(side) * side * side;
-  scree_result result = block_cache_create(seeds, tables, kernels, allocator, &out->blocks);
+  scree_result result = block_cache_create(shared, allocator, &out->blocks);
   if (result == SCREE_OK)
-    result = noise_scratch_create(round_to_lanes(side) + LANES, (double)(side + LANES) / seeds->voxels, seeds->voxels * 0.5,
-                                  allocator, &out->noise_scratch);
+    result = noise_scratch_create(round_to_lanes(side) + LANES, (double)(side + LANES) / out->seeds->voxels,
+                                  out->seeds->voxels * 0.5, allocator, &out->noise_scratch);
   out->memory = allocate(allocator, (size_t)4 * (out->capacity + 2 * LANES), sizeof(float));
   out->rows = allocate(allocator, (size_t)3 * side * side, sizeof *out->rows);
   if (result == SCREE_OK && (out->memory == NULL || out->rows == NULL)) result = SCREE_ERROR_OUT_OF_MEMORY;
@@ -78,7 +79,7 @@ typedef struct axis_table {
 
 static void fill_axis(const rock_worker* worker, uint32_t axis, int32_t seed, axis_table* out) {
   const int32_t voxels = (int32_t)worker->seeds->voxels;
-  const block_tables* tables = worker->blocks.tables;
+  const block_tables* tables = worker->tables;
   for (uint32_t i = 0; i < worker->grid.size[axis]; ++i) {
     const int32_t v = worker->grid.min[axis] + (int32_t)i, units = 256 * (2 * (v - voxels) + 1);
     out->from_cell[i] = (float)units * tables->cells_per_unit;
@@ -113,7 +114,7 @@ bool rock_voronoi(rock_worker* worker, int32_t x, int32_t y, int32_t z, uint32_t
                   .depth = depth,
                   .inverse_slope = inverse_slope,
                   .own = own};
-  const uint32_t plane = worker->blocks.tables->plane;
+  const uint32_t plane = worker->tables->plane;
   for (uint32_t k = 0; k < grid->size[2]; ++k)
     for (uint32_t j = 0; j < grid->size[1]; ++j) {
       const int32_t vy = grid->min[1] + (int32_t)j, vz = grid->min[2] + (int32_t)k;
@@ -207,7 +208,7 @@ uint32_t rock_erode(rock_worker* worker, uint64_t key) {
   float contacts[MAX_CONTACTS][3], planes[64][4];
   for (uint32_t c = 0; c < worker->contact_count; ++c)
     for (uint32_t axis = 0; axis < 3; ++axis)
-      contacts[c][axis] = (float)worker->contacts[c].position[axis] * worker->blocks.tables->cells_per_unit;
+      contacts[c][axis] = (float)worker->contacts[c].position[axis] * worker->tables->cells_per_unit;
   rock_shape shape = {.contact_count = worker->contact_count,
                       .contacts = (const float(*)[3])contacts,
                       .contact_radius = (float)recipe->contact_radius,

@@ -16,6 +16,7 @@ typedef struct rock_grid {
 typedef struct rock_worker {
   const scree_recipe* recipe;
   const seed_set* seeds;
+  const block_tables* tables;
   const kernel_set* kernels;
   block_cache blocks;
   noise_scratch noise_scratch;
@@ -36,8 +37,8 @@ typedef struct rock_worker {
   double seconds[3]; /* Voronoi, contacts, erosion */
 } rock_worker;
 
-scree_result rock_worker_create(const scree_recipe* recipe, const seed_set* seeds, const block_tables* tables,
-                                const kernel_set* kernels, const scree_allocator* allocator, rock_worker* out);
+scree_result rock_worker_create(const scree_recipe* recipe, const shared_blocks* shared, const scree_allocator* allocator,
+                                rock_worker* out);
 void rock_worker_destroy(rock_worker* worker, const scree_allocator* allocator);
 
 /* The Voronoi field of rock `seed` in cell (x, y, z) of the tile that worker->blocks stands at, and its contacts. Returns false
