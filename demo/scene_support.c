@@ -1,0 +1,171 @@
+/* From the tree of a scene to a compiled support. */
+#include "scene_support.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "file.h"
+
+typedef struct builder {
+  const scene_paths* paths;
+  scene_files* files;
+  scree_error* error;
+  scree_shape* shapes;
+  const scene_node** nodes; /* of each shape, for messages */
+  uint32_t* children;       /* all groups' lists of children, one after the other */
+  uint32_t shape_count, child_count;
+  char where[256]; /* "fields[0].support.children[2]" */
+  size_t length;
+} builder;
+
+static uint32_t count_nodes(const scene_node* node) {
+  uint32_t count = 1;
+  for (uint32_t i = 0; i < node->child_count; ++i) count += count_nodes(node->children[i]);
+  return count;
+}
+
+static void to_floats(const double* from, float* to) {
+  for (int i = 0; i < 3; ++i) to[i] = (float)from[i];
+}
+
+static scree_transform transform_of(const scene_node* node, bool is_root) {
+  scree_transform transform = {.scale = (float)node->scale};
+  double quaternion[4];
+  scene_rotation_quaternion(node->rotation, quaternion);
+  for (int i = 0; i < 4; ++i) transform.rotation[i] = (float)quaternion[i];
+  /* The root's place is the support's origin. */
+  if (!is_root) to_floats(node->position, transform.translation);
+  return transform;
+}
+
+static scree_result fill_heightfield(builder* b, const scene_node* node, scree_shape* shape) {
+  const height_samples* samples;
+  const scene_height_map* map = &node->heightfield.map;
+  scree_result result = scene_files_heights(b->files, b->paths, b->where, map, &samples, b->error);
+  if (result != SCREE_OK) return result;
+  shape->heightfield.heights = samples->heights;
+  shape->heightfield.width = samples->width;
+  shape->heightfield.depth = samples->depth;
+  shape->heightfield.spacing = (float)map->spacing;
+  shape->heightfield.above = (float)node->heightfield.above;
+  shape->heightfield.below = (float)node->heightfield.below;
+  return SCREE_OK;
+}
+
+static scree_result fill_mesh(builder* b, const scene_node* node, scree_shape* shape) {
+  const triangle_mesh* mesh;
+  scree_result result = scene_files_mesh(b->files, b->paths, b->where, node->mesh.file, &mesh, b->error);
+  if (result != SCREE_OK) return result;
+  shape->mesh.positions = mesh->positions;
+  shape->mesh.indices = mesh->indices;
+  shape->mesh.vertex_count = mesh->vertex_count;
+  shape->mesh.triangle_count = mesh->triangle_count;
+  shape->mesh.resolution = node->mesh.resolution;
+  return SCREE_OK;
+}
+
+static scree_result add_node(builder* b, const scene_node* node);
+
+static scree_result fill_group(builder* b, const scene_node* node, scree_shape* shape) {
+  uint32_t* children = b->children + b->child_count;
+  b->child_count += node->child_count;
+  shape->group.children = children;
+  shape->group.child_count = node->child_count;
+  shape->group.blend = (float)node->group.blend;
+  if (node->child_count == 0)
+    return fail_with(b->error, SCREE_ERROR_RANGE, "%s: %s: a group needs at least one shape", b->paths->scene, b->where);
+  for (uint32_t i = 0; i < node->child_count; ++i) {
+    size_t before = b->length;
+    int added = snprintf(b->where + before, sizeof b->where - before, ".children[%u]", i);
+    if (added > 0 && (size_t)added < sizeof b->where - before) b->length = before + (size_t)added;
+    children[i] = b->shape_count;
+    scree_result result = add_node(b, node->children[i]);
+    if (result != SCREE_OK) return result;
+    b->length = before;
+    b->where[before] = '\0';
+  }
+  return SCREE_OK;
+}
+
+static scree_result add_node(builder* b, const scene_node* node) {
+  bool is_root = b->shape_count == 0;
+  b->nodes[b->shape_count] = node;
+  scree_shape* shape = &b->shapes[b->shape_count++];
+  *shape = (scree_shape){.kind = node->kind, .transform = transform_of(node, is_root)};
+  switch (node->kind) {
+    case SCREE_SHAPE_SPHERE: shape->sphere.radius = (float)node->sphere.radius; break;
+    case SCREE_SHAPE_BOX:
+      to_floats(node->box.half, shape->box.half);
+      shape->box.rounding = (float)node->box.rounding;
+      break;
+    case SCREE_SHAPE_CAPSULE:
+      to_floats(node->capsule.a, shape->capsule.a);
+      to_floats(node->capsule.b, shape->capsule.b);
+      shape->capsule.radius = (float)node->capsule.radius;
+      break;
+    case SCREE_SHAPE_CYLINDER:
+      shape->cylinder.radius = (float)node->cylinder.radius;
+      shape->cylinder.half_height = (float)node->cylinder.half_height;
+      break;
+    case SCREE_SHAPE_CONE:
+      shape->cone.radius = (float)node->cone.radius;
+      shape->cone.height = (float)node->cone.height;
+      break;
+    case SCREE_SHAPE_HEIGHTFIELD: return fill_heightfield(b, node, shape);
+    case SCREE_SHAPE_MESH: return fill_mesh(b, node, shape);
+    case SCREE_SHAPE_UNION:
+    case SCREE_SHAPE_INTERSECTION:
+    case SCREE_SHAPE_DIFFERENCE:
+    case SCREE_SHAPE_SMOOTH_UNION: return fill_group(b, node, shape);
+    case SCREE_SHAPE_CALLBACK: break;
+  }
+  return SCREE_OK;
+}
+
+static scree_result build(builder* b, const scene_node* root, const scree_jobs* jobs, scree_support** out) {
+  scree_result result = add_node(b, root);
+  if (result != SCREE_OK) return result;
+  scree_support_desc desc = {.shapes = b->shapes, .shape_count = b->shape_count};
+  memcpy(desc.origin, root->position, sizeof desc.origin);
+  if (jobs != NULL) desc.jobs = *jobs;
+  scree_error cause = {""};
+  result = scree_support_create(&desc, NULL, out, &cause);
+  if (result == SCREE_OK) return SCREE_OK;
+  const char* message = cause.message[0] != '\0' ? cause.message : scree_result_string(result);
+  /* Shapes are numbered in the order of the file; with a single mesh the file can be named at once. */
+  const char* file = "";
+  uint32_t meshes = 0;
+  for (uint32_t i = 0; i < b->shape_count; ++i) {
+    if (b->nodes[i]->kind != SCREE_SHAPE_MESH) continue;
+    ++meshes;
+    file = b->nodes[i]->mesh.file;
+  }
+  bool name_it = result == SCREE_ERROR_NOT_CLOSED && meshes == 1;
+  return fail_with(b->error, result, "%s: %s: %s%s%.300s", b->paths->scene, b->where, name_it ? file : "", name_it ? ": " : "",
+                   message);
+}
+
+scree_result scene_support_create(const scene_model* scene, uint32_t index, const scene_paths* paths, scene_files* files,
+                                  const scree_jobs* jobs, scree_support** out, scree_error* error) {
+  *out = NULL;
+  builder b = {.paths = paths, .files = files, .error = error};
+  b.length = (size_t)snprintf(b.where, sizeof b.where, "fields[%u].support", index);
+  const scene_node* root = index < scene->field_count ? scene->fields[index].support : NULL;
+  if (root == NULL) return fail_with(error, SCREE_ERROR_INVALID_ARGUMENT, "%s: %s: there is none", paths->scene, b.where);
+  uint32_t count = count_nodes(root);
+  if (files == NULL) b.files = scene_files_create();
+  b.shapes = calloc(count, sizeof *b.shapes);
+  b.nodes = calloc(count, sizeof *b.nodes);
+  b.children = calloc(count, sizeof *b.children);
+  scree_result result;
+  if (b.files == NULL || b.shapes == NULL || b.nodes == NULL || b.children == NULL) {
+    result = fail_with(error, SCREE_ERROR_OUT_OF_MEMORY, "%s: out of memory", paths->scene);
+  } else {
+    result = build(&b, root, jobs, out);
+  }
+  free(b.shapes);
+  free(b.nodes);
+  free(b.children);
+  if (files == NULL) scene_files_destroy(b.files);
+  return result;
+}

@@ -1,0 +1,392 @@
+/* Mesh files in glTF and GLB, through tinygltf. The only file that holds tinygltf's code; Draco meshes are decoded here, with
+ * checks that tinygltf's own Draco path lacks (it trusts attribute ids and indices of the file). */
+#define TINYGLTF_IMPLEMENTATION
+#include "support_file_gltf.h"
+
+#ifdef SCREE_WITH_DRACO
+#include <draco/compression/decode.h>
+#endif
+
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <stdexcept>
+
+#include "file.h"
+
+namespace {
+
+/* A fault of the file, to be told in one line. */
+struct fault : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+const size_t file_limit = size_t(1) << 30;
+const uint32_t depth_limit = 64;
+const size_t triangle_limit = size_t(1) << 26;
+
+uint32_t word_at(const char* bytes) {
+  const unsigned char* b = reinterpret_cast<const unsigned char*>(bytes);
+  return uint32_t(b[0]) | uint32_t(b[1]) << 8 | uint32_t(b[2]) << 16 | uint32_t(b[3]) << 24;
+}
+
+/* tinygltf recurses over JSON; a hostile file must not choose how deep. */
+void check_nesting(const char* text, size_t size) {
+  size_t depth = 0;
+  bool in_string = false;
+  for (size_t i = 0; i < size; ++i) {
+    char c = text[i];
+    if (in_string) {
+      if (c == '\\') ++i;
+      if (c == '"') in_string = false;
+    } else if (c == '"') {
+      in_string = true;
+    } else if (c == '{' || c == '[') {
+      if (++depth > 128) throw fault("JSON is nested too deeply");
+    } else if ((c == '}' || c == ']') && depth > 0) {
+      --depth;
+    }
+  }
+}
+
+/* The JSON as tinygltf shall see it: it refuses indices without a buffer view, which is what Draco meshes have. */
+std::string prepare(const char* text, size_t size) {
+  check_nesting(text, size);
+  nlohmann::json root = nlohmann::json::parse(text, text + size, nullptr, false);
+  if (!root.is_object()) throw fault("not valid JSON");
+  if (root.contains("meshes") && root["meshes"].is_array()) {
+    for (nlohmann::json& mesh : root["meshes"]) {
+      if (!mesh.is_object() || !mesh.contains("primitives") || !mesh["primitives"].is_array()) continue;
+      for (nlohmann::json& primitive : mesh["primitives"]) {
+        bool has_draco = primitive.is_object() && primitive.contains("extensions") && primitive["extensions"].is_object() &&
+                         primitive["extensions"].contains("KHR_draco_mesh_compression");
+        if (has_draco) primitive.erase("indices");
+      }
+    }
+  }
+  return root.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+void add_word(std::string& out, size_t word) {
+  for (int i = 0; i < 4; ++i) out.push_back(char(word >> (8 * i) & 255));
+}
+
+/* A GLB file with its JSON prepared. (tinygltf 2.7 lets a BIN chunk reach 8 bytes past the end of the file; not here.) */
+std::string prepare_binary(const char* bytes, size_t size) {
+  if (size < 20 || word_at(bytes + 4) != 2 || word_at(bytes + 16) != 0x4e4f534a) throw fault("not a GLB file of version 2");
+  size_t length = word_at(bytes + 8);
+  if (length > size) throw fault("the file is truncated");
+  size_t text = word_at(bytes + 12);
+  if (length < 20 || text > length - 20) throw fault("the JSON chunk reaches past the end of the file");
+  std::string prepared = prepare(bytes + 20, text);
+  prepared.resize((prepared.size() + 3) & ~size_t(3), ' ');
+  size_t rest = length - 20 - text;
+  if (rest > 0 && (rest < 8 || word_at(bytes + 20 + text) > rest - 8))
+    throw fault("the BIN chunk reaches past the end of the file");
+  if (20 + prepared.size() + rest > UINT32_MAX) throw fault("the file is too large");
+  std::string out;
+  out.reserve(20 + prepared.size() + rest);
+  out.append(bytes, 8);
+  add_word(out, 20 + prepared.size() + rest);
+  add_word(out, prepared.size());
+  out.append(bytes + 16, 4);
+  out += prepared;
+  out.append(bytes + 20 + text, rest);
+  return out;
+}
+
+bool exists(const std::string& name, void*) {
+  return file_exists(name.c_str());
+}
+std::string expand(const std::string& name, void*) {
+  return name;
+}
+bool write(std::string*, const std::string&, const std::vector<unsigned char>&, void*) {
+  return false;
+}
+
+bool read(std::vector<unsigned char>* out, std::string* message, const std::string& name, void*) {
+  char* bytes;
+  size_t size;
+  scree_error error;
+  if (file_read(name.c_str(), file_limit, &bytes, &size, &error) != SCREE_OK) {
+    *message += error.message;
+    return false;
+  }
+  out->assign(bytes, bytes + size);
+  free(bytes);
+  return true;
+}
+
+bool ignore_image(tinygltf::Image*, const int, std::string*, std::string*, int, int, const unsigned char*, int, void*) {
+  return true;
+}
+
+/* element i of a vector of the model, checked. */
+template <typename T>
+const T& at(const std::vector<T>& items, int i, const char* what) {
+  if (i < 0 || size_t(i) >= items.size())
+    throw fault(std::string("names the ") + what + " " + std::to_string(i) + ", which does not exist");
+  return items[size_t(i)];
+}
+
+struct view {
+  const unsigned char* bytes;
+  size_t size, stride;
+};
+
+view view_of(const tinygltf::Model& model, int index) {
+  const tinygltf::BufferView& v = at(model.bufferViews, index, "buffer view");
+  const tinygltf::Buffer& buffer = at(model.buffers, v.buffer, "buffer");
+  if (v.byteOffset > buffer.data.size() || v.byteLength > buffer.data.size() - v.byteOffset)
+    throw fault("a buffer view reaches past the end of its buffer");
+  return {buffer.data.data() + v.byteOffset, v.byteLength, v.byteStride};
+}
+
+/* Where the elements of an accessor lie, after checking that all of them do. */
+const unsigned char* elements(const tinygltf::Model& model, const tinygltf::Accessor& accessor, size_t element, size_t* stride) {
+  if (accessor.sparse.isSparse) throw fault("sparse accessors are not read");
+  view v = view_of(model, accessor.bufferView);
+  *stride = v.stride != 0 ? v.stride : element;
+  if (accessor.count == 0) return v.bytes;
+  if (accessor.byteOffset > v.size || element > v.size - accessor.byteOffset ||
+      (accessor.count - 1) > (v.size - accessor.byteOffset - element) / *stride)
+    throw fault("an accessor reaches past the end of its buffer view");
+  return v.bytes + accessor.byteOffset;
+}
+
+struct soup {
+  std::vector<float> positions;
+  std::vector<uint32_t> indices;
+
+  uint32_t vertex_count() const { return uint32_t(positions.size() / 3); }
+};
+
+void read_plain(const tinygltf::Model& model, const tinygltf::Primitive& primitive, soup& out) {
+  auto found = primitive.attributes.find("POSITION");
+  if (found == primitive.attributes.end()) throw fault("a mesh has no POSITION");
+  const tinygltf::Accessor& place = at(model.accessors, found->second, "accessor");
+  if (place.componentType != TINYGLTF_COMPONENT_TYPE_FLOAT || place.type != TINYGLTF_TYPE_VEC3)
+    throw fault("only float POSITION is read");
+  size_t stride;
+  const unsigned char* bytes = elements(model, place, 12, &stride);
+  out.positions.resize(place.count * 3);
+  for (size_t i = 0; i < place.count; ++i) std::memcpy(&out.positions[i * 3], bytes + i * stride, 12);
+  if (primitive.indices < 0) {
+    for (uint32_t i = 0; i < place.count; ++i) out.indices.push_back(i);
+    return;
+  }
+  const tinygltf::Accessor& list = at(model.accessors, primitive.indices, "accessor");
+  if (list.type != TINYGLTF_TYPE_SCALAR) throw fault("indices are not scalars");
+  size_t size;
+  switch (list.componentType) {
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE: size = 1; break;
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT: size = 2; break;
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT: size = 4; break;
+    default: throw fault("indices are not unsigned integers");
+  }
+  bytes = elements(model, list, size, &stride);
+  out.indices.resize(list.count);
+  for (size_t i = 0; i < list.count; ++i) {
+    uint32_t index = 0;
+    for (size_t k = 0; k < size; ++k) index |= uint32_t(bytes[i * stride + k]) << (8 * k);
+    out.indices[i] = index;
+  }
+}
+
+#ifdef SCREE_WITH_DRACO
+void read_draco(const tinygltf::Model& model, const tinygltf::Value& extension, soup& out) {
+  if (!extension.IsObject()) throw fault("KHR_draco_mesh_compression is not an object");
+  const tinygltf::Value& attributes = extension.Get("attributes");
+  const tinygltf::Value& buffer_view = extension.Get("bufferView");
+  if (!attributes.IsObject() || !attributes.Get("POSITION").IsInt() || !buffer_view.IsInt())
+    throw fault("KHR_draco_mesh_compression names no POSITION");
+  view v = view_of(model, buffer_view.Get<int>());
+  draco::DecoderBuffer bytes;
+  bytes.Init(reinterpret_cast<const char*>(v.bytes), v.size);
+  draco::Decoder decoder;
+  auto decoded = decoder.DecodeMeshFromBuffer(&bytes);
+  if (!decoded.ok()) throw fault(std::string("Draco: ") + decoded.status().error_msg());
+  const draco::Mesh& mesh = *decoded.value();
+  int id = attributes.Get("POSITION").Get<int>();
+  const draco::PointAttribute* place = id >= 0 ? mesh.GetAttributeByUniqueId(uint32_t(id)) : nullptr;
+  if (place == nullptr || place->num_components() != 3) throw fault("Draco: no such POSITION");
+  out.positions.resize(size_t(mesh.num_points()) * 3);
+  for (draco::PointIndex i(0); i < mesh.num_points(); ++i) {
+    if (!place->ConvertValue<float>(place->mapped_index(i), 3, &out.positions[size_t(i.value()) * 3]))
+      throw fault("Draco: broken POSITION");
+  }
+  for (draco::FaceIndex f(0); f < mesh.num_faces(); ++f) {
+    for (size_t k = 0; k < 3; ++k) out.indices.push_back(mesh.face(f)[k].value());
+  }
+}
+
+#else
+void read_draco(const tinygltf::Model&, const tinygltf::Value&, soup&) {
+  throw fault("holds Draco meshes, and this build has no Draco");
+}
+#endif
+
+/* Column-major, as in glTF. */
+struct matrix {
+  double m[16];
+
+  static matrix identity() { return {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}}; }
+
+  matrix operator*(const matrix& b) const {
+    matrix r{};
+    for (size_t column = 0; column < 4; ++column) {
+      for (size_t row = 0; row < 4; ++row) {
+        for (size_t k = 0; k < 4; ++k) r.m[column * 4 + row] += m[k * 4 + row] * b.m[column * 4 + k];
+      }
+    }
+    return r;
+  }
+
+  double determinant() const {
+    return m[0] * (m[5] * m[10] - m[6] * m[9]) - m[4] * (m[1] * m[10] - m[2] * m[9]) + m[8] * (m[1] * m[6] - m[2] * m[5]);
+  }
+};
+
+matrix matrix_of(const tinygltf::Node& node) {
+  matrix r = matrix::identity();
+  if (node.matrix.size() == 16) {
+    for (size_t i = 0; i < 16; ++i) r.m[i] = node.matrix[i];
+    return r;
+  }
+  if (node.rotation.size() == 4) {
+    double x = node.rotation[0], y = node.rotation[1], z = node.rotation[2], w = node.rotation[3];
+    r.m[0] = 1 - 2 * (y * y + z * z), r.m[4] = 2 * (x * y - z * w), r.m[8] = 2 * (x * z + y * w);
+    r.m[1] = 2 * (x * y + z * w), r.m[5] = 1 - 2 * (x * x + z * z), r.m[9] = 2 * (y * z - x * w);
+    r.m[2] = 2 * (x * z - y * w), r.m[6] = 2 * (y * z + x * w), r.m[10] = 1 - 2 * (x * x + y * y);
+  }
+  for (size_t column = 0; column < 3 && node.scale.size() == 3; ++column) {
+    for (size_t row = 0; row < 3; ++row) r.m[column * 4 + row] *= node.scale[column];
+  }
+  for (size_t row = 0; row < 3 && node.translation.size() == 3; ++row) r.m[12 + row] = node.translation[row];
+  return r;
+}
+
+void append(const soup& part, const matrix& to_world, soup& out) {
+  uint32_t base = out.vertex_count(), count = part.vertex_count();
+  if (out.indices.size() + part.indices.size() > triangle_limit * 3 || size_t(base) + count > UINT32_MAX / 4)
+    throw fault("has too many triangles");
+  const double* m = to_world.m;
+  for (size_t i = 0; i < count; ++i) {
+    const float* p = &part.positions[i * 3];
+    for (size_t row = 0; row < 3; ++row) {
+      double value = m[row] * double(p[0]) + m[4 + row] * double(p[1]) + m[8 + row] * double(p[2]) + m[12 + row];
+      if (!std::isfinite(value) || std::fabs(value) > 1e12) throw fault("a position is not finite");
+      out.positions.push_back(float(value));
+    }
+  }
+  /* A mirroring transform turns triangles inside out; the specification says to turn them back. */
+  size_t second = to_world.determinant() < 0 ? 2 : 1;
+  for (size_t i = 0; i + 2 < part.indices.size(); i += 3) {
+    for (size_t k = 0; k < 3; ++k) {
+      uint32_t index = part.indices[i + (k == 0 ? 0 : k == 1 ? second : 3 - second)];
+      if (index >= count) throw fault("an index points past the last vertex");
+      out.indices.push_back(base + index);
+    }
+  }
+}
+
+void add_mesh(const tinygltf::Model& model, const tinygltf::Mesh& mesh, const matrix& to_world, soup& out) {
+  for (const tinygltf::Primitive& primitive : mesh.primitives) {
+    bool is_line = primitive.mode >= TINYGLTF_MODE_POINTS && primitive.mode <= TINYGLTF_MODE_LINE_STRIP;
+    if (is_line) continue;
+    if (primitive.mode != TINYGLTF_MODE_TRIANGLES) throw fault("only lists of triangles are read, no strips and fans");
+    soup part;
+    auto draco_extension = primitive.extensions.find("KHR_draco_mesh_compression");
+    if (draco_extension != primitive.extensions.end()) {
+      read_draco(model, draco_extension->second, part);
+    } else {
+      read_plain(model, primitive, part);
+    }
+    append(part, to_world, out);
+  }
+}
+
+/* `visits` bounds the walk: a hostile file may reach a node along many paths. */
+void add_node(const tinygltf::Model& model, int index, const matrix& parent, uint32_t depth, size_t& visits, soup& out) {
+  const tinygltf::Node& node = at(model.nodes, index, "node");
+  if (depth >= depth_limit || ++visits > model.nodes.size()) throw fault("nodes form a loop, or are nested too deeply");
+  matrix to_world = parent * matrix_of(node);
+  if (node.mesh >= 0) add_mesh(model, at(model.meshes, node.mesh, "mesh"), to_world, out);
+  for (int child : node.children) add_node(model, child, to_world, depth + 1, visits, out);
+}
+
+void add_scene(const tinygltf::Model& model, soup& out) {
+  if (model.scenes.empty()) throw fault("has no scene");
+  const tinygltf::Scene& scene = at(model.scenes, model.defaultScene >= 0 ? model.defaultScene : 0, "scene");
+  size_t visits = 0;
+  for (int node : scene.nodes) add_node(model, node, matrix::identity(), 0, visits, out);
+}
+
+/* A file may demand extensions; those that change nothing about shapes are welcome. */
+void check_extensions(const tinygltf::Model& model) {
+  for (const std::string& name : model.extensionsRequired) {
+    bool harmless = name.rfind("KHR_materials_", 0) == 0 || name.rfind("KHR_texture_", 0) == 0 ||
+                    name.rfind("EXT_texture_", 0) == 0 || name == "KHR_lights_punctual";
+    if (!harmless && name != "KHR_draco_mesh_compression") throw fault("needs the extension " + name + ", which is not read");
+  }
+}
+
+std::string folder_of(const char* file) {
+  const char* slash = std::strrchr(file, '/');
+  return slash == nullptr ? std::string() : std::string(file, size_t(slash - file));
+}
+
+soup load(const char* bytes, size_t size, const char* file) {
+  if (size >= UINT32_MAX) throw fault("the file is too large");
+  tinygltf::TinyGLTF loader;
+  loader.SetFsCallbacks({exists, expand, read, write, nullptr});
+  loader.SetImageLoader(ignore_image, nullptr);
+  tinygltf::Model model;
+  std::string message, warning;
+  bool is_binary = size >= 4 && std::memcmp(bytes, "glTF", 4) == 0;
+  bool good;
+  if (is_binary) {
+    std::string whole = prepare_binary(bytes, size);
+    good = loader.LoadBinaryFromMemory(&model, &message, &warning, reinterpret_cast<const unsigned char*>(whole.data()),
+                                       unsigned(whole.size()), folder_of(file));
+  } else {
+    std::string text = prepare(bytes, size);
+    good = loader.LoadASCIIFromString(&model, &message, &warning, text.data(), unsigned(text.size()), folder_of(file));
+  }
+  if (!good) throw fault(message.empty() ? "not a glTF file" : message.substr(0, message.find('\n')));
+  check_extensions(model);
+  soup out;
+  add_scene(model, out);
+  if (out.indices.empty()) throw fault("has no triangles");
+  return out;
+}
+
+template <typename T>
+T* copy_of(const std::vector<T>& items) {
+  T* copy = static_cast<T*>(std::malloc(items.size() * sizeof(T)));
+  if (copy != nullptr) std::memcpy(copy, items.data(), items.size() * sizeof(T));
+  return copy;
+}
+
+}  // namespace
+
+extern "C" scree_result mesh_read_gltf(const char* bytes, size_t size, const char* file, triangle_mesh* out, scree_error* error) {
+  *out = triangle_mesh{};
+  try {
+    soup all = load(bytes, size, file);
+    out->positions = copy_of(all.positions);
+    out->indices = copy_of(all.indices);
+    out->vertex_count = all.vertex_count();
+    out->triangle_count = uint32_t(all.indices.size() / 3);
+    if (out->positions != nullptr && out->indices != nullptr) return SCREE_OK;
+    triangle_mesh_free(out);
+  } catch (const fault& e) {
+    return fail_with(error, SCREE_ERROR_SYNTAX, "%s: %s", file, e.what());
+  } catch (const std::bad_alloc&) {
+  } catch (const std::length_error&) {
+  } catch (const std::exception& e) {
+    return fail_with(error, SCREE_ERROR_SYNTAX, "%s: %s", file, e.what());
+  }
+  return fail_with(error, SCREE_ERROR_OUT_OF_MEMORY, "%s: out of memory", file);
+}

@@ -1,0 +1,259 @@
+/* Mesh files that are text: Wavefront OBJ and Geomview OFF. Polygons become fans. */
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "file.h"
+#include "support_file.h"
+
+typedef struct reader {
+  const char* at;
+  const char* file;
+  scree_error* error;
+  scree_result result;
+  uint32_t line;
+  triangle_mesh mesh;
+  size_t vertex_room, triangle_room;
+} reader;
+
+static bool is_space(char c) {
+  return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
+}
+static bool is_end(char c) {
+  return c == '\n' || c == '\0';
+}
+
+static void skip_spaces(reader* r) {
+  for (;;) {
+    while (is_space(*r->at)) ++r->at;
+    /* A backslash joins lines in OBJ. */
+    const char* next = r->at + 1;
+    if (*r->at != '\\') return;
+    while (is_space(*next)) ++next;
+    if (*next != '\n') return;
+    ++r->line;
+    r->at = next + 1;
+  }
+}
+
+static void skip_line(reader* r) {
+  while (!is_end(*r->at)) ++r->at;
+  if (*r->at == '\n') {
+    ++r->at;
+    ++r->line;
+  }
+}
+
+static bool fail(reader* r, const char* what) {
+  if (r->result == SCREE_OK) r->result = fail_with(r->error, SCREE_ERROR_SYNTAX, "%s: line %u: %s", r->file, r->line, what);
+  return false;
+}
+
+static bool fail_memory(reader* r) {
+  if (r->result == SCREE_OK) r->result = fail_with(r->error, SCREE_ERROR_OUT_OF_MEMORY, "%s: out of memory", r->file);
+  return false;
+}
+
+static bool read_float(reader* r, float* out) {
+  skip_spaces(r);
+  if (is_end(*r->at)) return fail(r, "expected a number"); /* strtof would go on in the next line */
+  char* end;
+  float value = strtof(r->at, &end);
+  if (end == r->at || !isfinite(value)) return fail(r, "expected a number");
+  if (!is_space(*end) && !is_end(*end) && *end != '#') return fail(r, "expected a number");
+  r->at = end;
+  *out = value;
+  return true;
+}
+
+static bool read_integer(reader* r, long long* out) {
+  char* end;
+  /* strtoll would walk over line breaks to find a number. */
+  if (!(*r->at == '-' || *r->at == '+' || (*r->at >= '0' && *r->at <= '9'))) return fail(r, "expected a whole number");
+  errno = 0;
+  long long value = strtoll(r->at, &end, 10);
+  if (end == r->at || errno != 0) return fail(r, "expected a whole number");
+  r->at = end;
+  *out = value;
+  return true;
+}
+
+/* `memory` with room for `needed` elements, moved if it must be; NULL when memory is short, and `memory` is then as it was. */
+static void* with_room(void* memory, size_t* room, size_t needed, size_t element) {
+  if (needed <= *room) return memory;
+  size_t wanted = *room * 2 > needed ? *room * 2 : needed + 64;
+  if (wanted > SIZE_MAX / element) return NULL;
+  void* grown = realloc(memory, wanted * element);
+  if (grown != NULL) *room = wanted;
+  return grown;
+}
+
+static bool add_vertex(reader* r) {
+  float p[3];
+  for (int i = 0; i < 3; ++i) {
+    if (!read_float(r, &p[i])) return false;
+  }
+  if (r->mesh.vertex_count >= INT32_MAX) return fail(r, "too many vertices");
+  float* positions = with_room(r->mesh.positions, &r->vertex_room, (size_t)r->mesh.vertex_count + 1, sizeof p);
+  if (positions == NULL) return fail_memory(r);
+  r->mesh.positions = positions;
+  memcpy(positions + 3 * (size_t)r->mesh.vertex_count++, p, sizeof p);
+  return true;
+}
+
+static bool add_triangle(reader* r, uint32_t a, uint32_t b, uint32_t c) {
+  if (r->mesh.triangle_count >= INT32_MAX) return fail(r, "too many triangles");
+  uint32_t* indices = with_room(r->mesh.indices, &r->triangle_room, (size_t)r->mesh.triangle_count + 1, 3 * sizeof *indices);
+  if (indices == NULL) return fail_memory(r);
+  r->mesh.indices = indices;
+  const uint32_t corners[3] = {a, b, c};
+  memcpy(indices + 3 * (size_t)r->mesh.triangle_count++, corners, sizeof corners);
+  return true;
+}
+
+/* Adds the triangles of a polygon, one corner after the other. */
+typedef struct fan {
+  uint32_t first, last, corners;
+} fan;
+
+static bool add_corner(reader* r, fan* polygon, uint32_t vertex) {
+  if (polygon->corners == 0) polygon->first = vertex;
+  if (polygon->corners >= 2 && !add_triangle(r, polygon->first, polygon->last, vertex)) return false;
+  polygon->last = vertex;
+  ++polygon->corners;
+  return true;
+}
+
+static scree_result finish(reader* r, triangle_mesh* out) {
+  if (r->result == SCREE_OK) {
+    *out = r->mesh;
+  } else {
+    triangle_mesh_free(&r->mesh);
+    *out = (triangle_mesh){0};
+  }
+  return r->result;
+}
+
+static reader start(const char* bytes, const char* file, scree_error* error) {
+  return (reader){.at = bytes, .file = file, .error = error, .line = 1};
+}
+
+/* A corner of an OBJ face: "7", "7/1", "7//2" or "7/1/2"; negative numbers count back from the last vertex. */
+static bool obj_corner(reader* r, fan* polygon) {
+  long long number;
+  if (!read_integer(r, &number)) return false;
+  if (number < 0) number += (long long)r->mesh.vertex_count + 1;
+  if (number < 1 || number > (long long)r->mesh.vertex_count) return fail(r, "a face names a vertex that does not exist");
+  for (int i = 0; i < 2 && *r->at == '/'; ++i) {
+    long long ignored;
+    ++r->at;
+    if (*r->at != '/' && !is_space(*r->at) && !is_end(*r->at) && !read_integer(r, &ignored)) return false;
+  }
+  if (!is_space(*r->at) && !is_end(*r->at)) return fail(r, "expected a corner such as 7, 7/1, 7//2 or 7/1/2");
+  return add_corner(r, polygon, (uint32_t)(number - 1));
+}
+
+static bool obj_face(reader* r) {
+  fan polygon = {0};
+  for (;;) {
+    skip_spaces(r);
+    if (is_end(*r->at) || *r->at == '#') break;
+    if (!obj_corner(r, &polygon)) return false;
+  }
+  return polygon.corners >= 3 || fail(r, "a face has fewer than 3 corners");
+}
+
+/* Whether a NUL stands inside the file: text has none, and readers stop there. */
+static bool has_nul(const char* bytes, size_t size) {
+  return memchr(bytes, '\0', size) != NULL;
+}
+
+scree_result mesh_read_obj(const char* bytes, size_t size, const char* file, triangle_mesh* out, scree_error* error) {
+  reader r = start(bytes, file, error);
+  if (has_nul(bytes, size)) fail(&r, "not an OBJ file: it holds a zero byte");
+  while (r.result == SCREE_OK && *r.at != '\0') {
+    skip_spaces(&r);
+    bool word_ends = r.at[0] != '\0' && is_space(r.at[1]);
+    if (r.at[0] == 'v' && word_ends) {
+      ++r.at;
+      add_vertex(&r);
+    } else if (r.at[0] == 'f' && word_ends) {
+      ++r.at;
+      obj_face(&r);
+    }
+    skip_line(&r);
+  }
+  if (r.result == SCREE_OK && r.mesh.triangle_count == 0)
+    r.result = fail_with(error, SCREE_ERROR_SYNTAX, "%s: has no triangles", file);
+  return finish(&r, out);
+}
+
+/* Goes to the next line of an OFF file that holds something. */
+static bool off_next(reader* r) {
+  for (;;) {
+    while (is_space(*r->at)) ++r->at;
+    if (*r->at == '\0') return fail(r, "the file ends early");
+    if (*r->at != '\n' && *r->at != '#') return true;
+    skip_line(r);
+  }
+}
+
+static bool off_count(reader* r, uint32_t limit, uint32_t* out) {
+  long long number;
+  if (!off_next(r) || !read_integer(r, &number)) return false;
+  if (number < 0 || number > (long long)limit) return fail(r, "a count or an index out of range");
+  *out = (uint32_t)number;
+  return true;
+}
+
+static bool off_face(reader* r) {
+  uint32_t corners;
+  fan polygon = {0};
+  if (!off_count(r, INT32_MAX, &corners)) return false;
+  if (corners < 3) return fail(r, "a face has fewer than 3 corners");
+  for (uint32_t i = 0; i < corners; ++i) {
+    uint32_t vertex;
+    if (!off_count(r, r->mesh.vertex_count - 1, &vertex) || !add_corner(r, &polygon, vertex)) return false;
+  }
+  return true;
+}
+
+static bool off_read(reader* r, size_t size) {
+  static const char* const headers[] = {"OFF", "COFF", "NOFF", "CNOFF", "STOFF"};
+  if (!off_next(r)) return false;
+  size_t length = strcspn(r->at, " \t\r\n");
+  bool known = false;
+  for (size_t i = 0; i < sizeof headers / sizeof headers[0]; ++i)
+    known = known || (strlen(headers[i]) == length && memcmp(headers[i], r->at, length) == 0);
+  if (!known) return fail(r, "not an OFF file: it does not begin with OFF");
+  r->at += length;
+  skip_spaces(r);
+  if (strncmp(r->at, "BINARY", 6) == 0) return fail(r, "binary OFF is not read, only text");
+  uint32_t vertices, faces, edges;
+  /* No vertex takes fewer than 6 bytes and no face fewer than 8, so a count that cannot be is refused before memory is taken. */
+  if (!off_count(r, (uint32_t)(size / 6), &vertices) || !off_count(r, (uint32_t)(size / 8), &faces) ||
+      !off_count(r, INT32_MAX, &edges))
+    return false;
+  if (vertices == 0 || faces == 0) return fail(r, "has no triangles");
+  skip_line(r);
+  for (uint32_t i = 0; i < vertices; ++i) {
+    if (!off_next(r) || !add_vertex(r)) return false;
+    skip_line(r);
+  }
+  for (uint32_t i = 0; i < faces; ++i) {
+    if (!off_face(r)) return false;
+    skip_line(r);
+  }
+  return true;
+}
+
+scree_result mesh_read_off(const char* bytes, size_t size, const char* file, triangle_mesh* out, scree_error* error) {
+  reader r = start(bytes, file, error);
+  if (has_nul(bytes, size)) {
+    fail(&r, "not a text OFF file: it holds a zero byte");
+  } else {
+    off_read(&r, size);
+  }
+  return finish(&r, out);
+}
