@@ -7,6 +7,9 @@ foreach(target scree_runtime scree_draco scree_bake)
     list(APPEND SCREE_INSTALLED_LIBRARIES ${target})
   endif()
 endforeach()
+# Before 1.0 a minor version may break the API.
+set_target_properties(${SCREE_INSTALLED_LIBRARIES} PROPERTIES VERSION ${PROJECT_VERSION}
+  SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
 install(TARGETS ${SCREE_INSTALLED_LIBRARIES} EXPORT scree-targets
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
@@ -22,7 +25,6 @@ set(config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/scree)
 install(EXPORT scree-targets NAMESPACE scree:: DESTINATION ${config_dir})
 configure_package_config_file(cmake/scree-config.cmake.in ${CMAKE_CURRENT_BINARY_DIR}/scree-config.cmake
   INSTALL_DESTINATION ${config_dir})
-# Before 1.0 a minor version may break the API.
 write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/scree-config-version.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/scree-config.cmake ${CMAKE_CURRENT_BINARY_DIR}/scree-config-version.cmake
   DESTINATION ${config_dir})
