@@ -81,6 +81,8 @@ typedef struct kernel_set {
                      float strength);
   /* One bit a voxel: field > 0. width <= 64 and a whole number of lanes; one row a word. */
   void (*sign_rows)(const float* field, uint32_t width, uint32_t rows, uint64_t* bits);
+  /* The point farthest along a direction, the first of equals. points: x, y and z, `count` each, a whole number of lanes > 0. */
+  uint32_t (*farthest)(const float* const points[3], uint32_t count, const float direction[3]);
 } kernel_set;
 
 /* The widest kernels this machine runs; `plain` asks for the portable ones. */

@@ -19,11 +19,23 @@ static inline void store(float* p, vf v) {
 static inline vf splat(float s) {
   return (vf){s, s, s, s, s, s, s, s};
 }
-static inline vf select(vi mask, vf a, vf b) {
-  return (vf)(((vi)a & mask) | ((vi)b & ~mask));
-}
 static inline vi select_int(vi mask, vi a, vi b) {
   return (a & mask) | (b & ~mask);
+}
+#ifdef __AVX2__
+/* The same choices as the portable ones below, spelt for the machine: minps(a, b) is a < b ? a : b. */
+static inline vf select(vi mask, vf a, vf b) {
+  return __builtin_ia32_blendvps256(b, a, (vf)mask);
+}
+static inline vf least(vf a, vf b) {
+  return __builtin_ia32_minps256(a, b);
+}
+static inline vf greatest(vf a, vf b) {
+  return __builtin_ia32_maxps256(a, b);
+}
+#else
+static inline vf select(vi mask, vf a, vf b) {
+  return (vf)(((vi)a & mask) | ((vi)b & ~mask));
 }
 static inline vf least(vf a, vf b) {
   return select(a < b, a, b);
@@ -31,6 +43,7 @@ static inline vf least(vf a, vf b) {
 static inline vf greatest(vf a, vf b) {
   return select(a > b, a, b);
 }
+#endif
 static inline vf root(vf v) {
   vf out;
   for (int i = 0; i < LANES; ++i) out[i] = sqrtf(v[i]);
@@ -168,4 +181,20 @@ static void sign_rows(const float* field, uint32_t width, uint32_t rows, uint64_
   }
 }
 
-const kernel_set KERNELS_TABLE = {KERNELS_NAME, voronoi_block, rock_field, rock_erode, carve_step, sign_rows};
+static uint32_t farthest(const float* const points[3], uint32_t count, const float direction[3]) {
+  vf most = splat(-INFINITY);
+  vi index = {0}, current = {0, 1, 2, 3, 4, 5, 6, 7};
+  for (uint32_t at = 0; at < count; at += LANES, current += LANES) {
+    const vf along = (load(points[0] + at) * splat(direction[0]) + load(points[1] + at) * splat(direction[1])) +
+                     load(points[2] + at) * splat(direction[2]);
+    const vi more = along > most;
+    most = select(more, along, most);
+    index = select_int(more, current, index);
+  }
+  uint32_t lane = 0;
+  for (uint32_t i = 1; i < LANES; ++i)
+    if (most[i] > most[lane] || (most[i] == most[lane] && index[i] < index[lane])) lane = i;
+  return (uint32_t)index[lane];
+}
+
+const kernel_set KERNELS_TABLE = {KERNELS_NAME, voronoi_block, rock_field, rock_erode, carve_step, sign_rows, farthest};

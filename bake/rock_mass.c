@@ -22,28 +22,31 @@ static double dot(const double a[3], const double b[3]) {
 }
 
 /* Radius of a ball around the centroid that surely lies inside: no point of a triangle is nearer than its plane, nor nearer than
- * its nearest corner less its longest edge. */
+ * its nearest corner less the longest edge of all. */
 static double inner_radius(const mesh_buffer* mesh, const double centroid[3]) {
+  int64_t longest2 = 0;
+  for (uint32_t i = 0; i < mesh->index_count; i += 3)
+    for (uint32_t k = 0; k < 3; ++k) {
+      const int16_t *from = mesh->positions[mesh->indices[i + k]], *to = mesh->positions[mesh->indices[i + (k + 1) % 3]];
+      const int64_t x = to[0] - from[0], y = to[1] - from[1], z = to[2] - from[2], edge2 = x * x + y * y + z * z;
+      if (edge2 > longest2) longest2 = edge2;
+    }
+  const double longest = sqrt((double)longest2);
   double inner = INFINITY;
   for (uint32_t i = 0; i < mesh->index_count; i += 3) {
-    double p[3][3], corner2 = INFINITY, edge2 = 0;
+    double p[3][3], corner2 = INFINITY;
     for (int k = 0; k < 3; ++k) {
       for (int axis = 0; axis < 3; ++axis) p[k][axis] = mesh->positions[mesh->indices[i + (uint32_t)k]][axis] - centroid[axis];
-      corner2 = fmin(corner2, dot(p[k], p[k]));
+      const double d2 = dot(p[k], p[k]);
+      if (d2 < corner2) corner2 = d2;
     }
-    for (int k = 0; k < 3; ++k) {
-      const double* to = p[(k + 1) % 3];
-      const double edge[3] = {to[0] - p[k][0], to[1] - p[k][1], to[2] - p[k][2]};
-      edge2 = fmax(edge2, dot(edge, edge));
-    }
-    const double by_corner = sqrt(corner2) - sqrt(edge2);
-    if (by_corner >= inner) continue;
+    if (corner2 >= (inner + longest) * (inner + longest)) continue;
     const double u[3] = {p[1][0] - p[0][0], p[1][1] - p[0][1], p[1][2] - p[0][2]};
     const double w[3] = {p[2][0] - p[0][0], p[2][1] - p[0][1], p[2][2] - p[0][2]};
     const double normal[3] = {u[1] * w[2] - u[2] * w[1], u[2] * w[0] - u[0] * w[2], u[0] * w[1] - u[1] * w[0]};
     const double length2 = dot(normal, normal);
     const double by_plane = length2 > 0 ? fabs(dot(normal, p[0])) / sqrt(length2) : 0;
-    inner = fmin(inner, fmax(by_plane, by_corner));
+    inner = fmin(inner, fmax(by_plane, sqrt(corner2) - longest));
   }
   return inner;
 }
@@ -77,26 +80,21 @@ void rock_mass(const rock_mesher* mesher, float cells_per_lattice, rock_record* 
   out->outer_radius = (float)(sqrt(farthest2) * scale * (1 + 1e-6));
 }
 
-/* The vertex farthest along a direction, the first of equals. */
-static uint32_t farthest_vertex(const mesh_buffer* mesh, int32_t x, int32_t y, int32_t z) {
-  uint32_t best = 0;
-  int32_t farthest = INT32_MIN;
-  for (uint32_t v = 0; v < mesh->vertex_count; ++v) {
-    const int32_t along = x * mesh->positions[v][0] + y * mesh->positions[v][1] + z * mesh->positions[v][2];
-    if (along > farthest) farthest = along, best = v;
-  }
-  return best;
-}
-
-uint32_t rock_hull(const rock_mesher* mesher, uint32_t most, int16_t (*hull)[3]) {
+uint32_t rock_hull(rock_mesher* mesher, uint32_t most, int16_t (*hull)[3]) {
   const mesh_buffer* mesh = &mesher->meshes[0];
+  /* Positions as floats, axis by axis; the first vertex pads the last lanes. */
+  const uint32_t padded = round_to_lanes(mesh->vertex_count);
+  const float* const points[3] = {mesher->points, mesher->points + padded, mesher->points + (size_t)2 * padded};
+  for (uint32_t v = 0; v < padded; ++v)
+    for (uint32_t axis = 0; axis < 3; ++axis)
+      mesher->points[(size_t)axis * padded + v] = mesh->positions[v < mesh->vertex_count ? v : 0][axis];
   uint32_t count = 0;
   /* Directions in order of the squared length of (x, y, z): faces, edges and corners of a cube, then ever finer ones. */
   for (int32_t shell = 1; shell <= 6 && count < most; ++shell)
     for (int32_t code = 0; code < 125 && count < most; ++code) {
       const int32_t x = code % 5 - 2, y = code / 5 % 5 - 2, z = code / 25 - 2;
       if (x * x + y * y + z * z != shell || (shell == 4 && (x == 2 || y == 2 || z == 2 || x == -2 || y == -2 || z == -2))) continue;
-      const uint32_t best = farthest_vertex(mesh, x, y, z);
+      const uint32_t best = mesher->kernels->farthest(points, padded, (const float[3]){(float)x, (float)y, (float)z});
       bool known = false;
       for (uint32_t h = 0; h < count; ++h) known = known || memcmp(hull[h], mesh->positions[best], sizeof *hull) == 0;
       if (!known) memcpy(hull[count++], mesh->positions[best], sizeof *hull);

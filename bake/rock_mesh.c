@@ -45,6 +45,7 @@ void rock_mesher_destroy(rock_mesher* mesher) {
   release(mesher->allocator, mesher->coarse_rows, (size_t)3 * mesher->capacity / LANES, sizeof *mesher->coarse_rows);
   release(mesher->allocator, mesher->density, mesher->capacity, sizeof *mesher->density);
   release(mesher->allocator, mesher->blur, mesher->capacity, sizeof *mesher->blur);
+  release(mesher->allocator, mesher->points, mesher->point_capacity, sizeof *mesher->points);
   release(mesher->allocator, mesher->fans, mesher->fan_capacity, sizeof *mesher->fans);
   memset(mesher, 0, sizeof *mesher);
 }
@@ -297,6 +298,14 @@ scree_result rock_mesh(rock_mesher* mesher, const rock_worker* worker, uint32_t 
   if (result != SCREE_OK) return result;
   surface_nets_triangulate(&mesher->meshes[0]);
   mesher->errors[0] = 0;
+  const uint32_t points = 3 * round_to_lanes(mesher->meshes[0].vertex_count);
+  if (points > mesher->point_capacity) {
+    release(mesher->allocator, mesher->points, mesher->point_capacity, sizeof *mesher->points);
+    mesher->point_capacity = 0;
+    mesher->points = allocate(mesher->allocator, (size_t)points * 2, sizeof *mesher->points);
+    if (mesher->points == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
+    mesher->point_capacity = points * 2;
+  }
   find_density(mesher, worker);
   shade(mesher, worker, &fine, &mesher->meshes[0]);
   for (uint32_t level = 1; level < lods && result == SCREE_OK; ++level) result = mesh_level(mesher, worker, &fine, level);

@@ -18,7 +18,9 @@ typedef struct rock_mesher {
   float* density;        /* blurred occupancy, for ambient occlusion */
   float* blur;
   uint32_t capacity; /* voxels of the largest grid */
-  uint32_t* fans;    /* triangles around each vertex of a coarse mesh */
+  float* points;     /* positions of the finest mesh, axis by axis */
+  uint32_t point_capacity;
+  uint32_t* fans; /* triangles around each vertex of a coarse mesh */
   uint32_t fan_capacity;
 } rock_mesher;
 
@@ -34,6 +36,6 @@ void rock_mass(const rock_mesher* mesher, float cells_per_lattice, rock_record* 
 
 /* Vertices of meshes[0] that are farthest in `most` (<= ROCK_MAX_HULL) fixed directions, without repeats: corners of the convex
  * hull that span nearly all of it. hull: room for `most`. Returns how many. */
-uint32_t rock_hull(const rock_mesher* mesher, uint32_t most, int16_t (*hull)[3]);
+uint32_t rock_hull(rock_mesher* mesher, uint32_t most, int16_t (*hull)[3]);
 
 #endif

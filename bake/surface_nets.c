@@ -25,18 +25,17 @@ static uint32_t crossings(const voxel_field* field, const float* at, float sum[3
   uint32_t inside = 0, count = 0;
   for (uint32_t i = 0; i < 8; ++i) inside |= (v[i] > 0 ? 1u : 0u) << i;
   sum[0] = sum[1] = sum[2] = 0;
-  for (uint32_t axis = 0; axis < 3; ++axis) {
-    const uint32_t bit = 1u << axis;
-    for (uint32_t i = 0; i < 8; ++i) {
-      const uint32_t k = i | bit;
-      if (k == i || ((inside >> i ^ inside >> k) & 1) == 0) continue;
+  /* Lower ends of the edges along x, y and z whose ends differ. */
+  const uint32_t edges[3] = {(inside ^ inside >> 1) & 0x55, (inside ^ inside >> 2) & 0x33, (inside ^ inside >> 4) & 0x0f};
+  for (uint32_t axis = 0; axis < 3; ++axis)
+    for (uint32_t rest = edges[axis]; rest != 0; rest &= rest - 1) {
+      const uint32_t i = (uint32_t)__builtin_ctz(rest), k = i | 1u << axis;
       sum[0] += (float)(i & 1);
       sum[1] += (float)(i >> 1 & 1);
       sum[2] += (float)(i >> 2);
       sum[axis] += v[i] / (v[i] - v[k]);
       ++count;
     }
-  }
   return count;
 }
 
