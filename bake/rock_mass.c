@@ -70,7 +70,8 @@ void rock_mass(const rock_mesher* mesher, float cells_per_lattice, rock_record* 
   for (uint32_t v = 0; v < mesh->vertex_count; ++v) {
     const double d[3] = {mesh->positions[v][0] - centroid[0], mesh->positions[v][1] - centroid[1],
                          mesh->positions[v][2] - centroid[2]};
-    farthest2 = fmax(farthest2, dot(d, d));
+    const double distance2 = dot(d, d); /* fmax here would stop gcc 12 for aarch64 with an internal error */
+    if (distance2 > farthest2) farthest2 = distance2;
   }
   /* The last factors keep the balls conservative when they are rounded to float. */
   const double scale = cells_per_lattice;

@@ -150,7 +150,8 @@ uint32_t mask_keep_largest(uint64_t* rows, uint32_t height, uint32_t depth, floa
     while (rows[at] != 0 && total - visited > kept) {
       memset(component, 0, count * sizeof *component);
       component[at] = spread_both(rows[at] & (~rows[at] + 1), rows[at]);
-      while (flood_sweep(rows, component, height, depth, true) | flood_sweep(rows, component, height, depth, false)) {}
+      /* Both sweeps, whatever the first one found. */
+      while ((int)flood_sweep(rows, component, height, depth, true) | (int)flood_sweep(rows, component, height, depth, false)) {}
       uint32_t size = 0;
       for (uint32_t i = at; i < count; ++i) {
         size += (uint32_t)__builtin_popcountll(component[i]);

@@ -331,7 +331,8 @@ static void changed_bytes_never_crash(void** state) {
   for (int round = 0; round < 20000; ++round) {
     memcpy(text, everything, size);
     uint32_t changes = 1 + (uint32_t)random_number(&seed, 0, 3);
-    for (uint32_t i = 0; i < changes; ++i) text[(size_t)random_number(&seed, 0, (double)size)] = (char)random_number(&seed, 0, 256);
+    for (uint32_t i = 0; i < changes; ++i)
+      text[(size_t)random_number(&seed, 0, (double)size)] = (char)(uint32_t)random_number(&seed, 0, 256);
     scene_model scene;
     scree_error error = {""};
     scree_result result = scene_parse(text, size, "s.json", &scene, &error);
