@@ -3,44 +3,44 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "buffer.h"
 #include "file.h"
 #include "scene.h"
-#include "text.h"
 
 static void key(text_buffer* t, uint32_t indent, const char* name) {
-  text_indent(t, indent);
-  text_string(t, name);
-  text_add(t, ": ");
+  buffer_indent(t, indent);
+  buffer_string(t, name);
+  buffer_add(t, ": ");
 }
 
 static void end(text_buffer* t, bool last) {
-  text_add(t, last ? "\n" : ",\n");
+  buffer_add(t, last ? "\n" : ",\n");
 }
 
 static void number_key(text_buffer* t, uint32_t indent, const char* name, double value) {
   key(t, indent, name);
-  text_number(t, value);
+  buffer_number(t, value);
 }
 
 static void string_key(text_buffer* t, uint32_t indent, const char* name, const char* value) {
   key(t, indent, name);
-  text_string(t, value);
+  buffer_string(t, value);
 }
 
 static void vector_key(text_buffer* t, uint32_t indent, const char* name, const double* value) {
   key(t, indent, name);
-  text_add(t, "[");
+  buffer_add(t, "[");
   for (int i = 0; i < 3; ++i) {
-    if (i > 0) text_add(t, ", ");
-    text_number(t, value[i]);
+    if (i > 0) buffer_add(t, ", ");
+    buffer_number(t, value[i]);
   }
-  text_add(t, "]");
+  buffer_add(t, "]");
 }
 
 static void colour(text_buffer* t, const float value[3]) {
   int channel[3];
   for (int i = 0; i < 3; ++i) channel[i] = (int)floorf(fminf(fmaxf(value[i], 0.0f), 1.0f) * 255.0f + 0.5f);
-  text_format(t, "\"#%02x%02x%02x\"", channel[0], channel[1], channel[2]);
+  buffer_format(t, "\"#%02x%02x%02x\"", channel[0], channel[1], channel[2]);
 }
 
 static void colour_key(text_buffer* t, uint32_t indent, const char* name, const float value[3]) {
@@ -60,7 +60,7 @@ static void write_height_map(text_buffer* t, uint32_t indent, const scene_height
   if (map->crop[2] == 0) return;
   end(t, false);
   key(t, indent, "crop");
-  text_format(t, "[%u, %u, %u, %u]", map->crop[0], map->crop[1], map->crop[2], map->crop[3]);
+  buffer_format(t, "[%u, %u, %u, %u]", map->crop[0], map->crop[1], map->crop[2], map->crop[3]);
 }
 
 static bool is_zero(const double v[3]) {
@@ -104,7 +104,7 @@ static void write_parameters(text_buffer* t, uint32_t indent, const scene_node* 
       if (node->mesh.resolution == 0) break;
       end(t, false);
       key(t, indent, "resolution");
-      text_format(t, "%u", node->mesh.resolution);
+      buffer_format(t, "%u", node->mesh.resolution);
       break;
     case SCREE_SHAPE_SMOOTH_UNION:
       number_key(t, indent, "blend", node->group.blend);
@@ -119,7 +119,7 @@ static void write_parameters(text_buffer* t, uint32_t indent, const scene_node* 
 
 static void write_node(text_buffer* t, uint32_t indent, const scene_node* node) {
   const char* word = scene_kind_name(node->kind);
-  text_add(t, "{\n");
+  buffer_add(t, "{\n");
   string_key(t, indent + 1, "shape", word != NULL ? word : "");
   end(t, false);
   if (node->name[0] != '\0') {
@@ -141,22 +141,22 @@ static void write_node(text_buffer* t, uint32_t indent, const scene_node* node) 
   write_parameters(t, indent + 1, node);
   if (scene_kind_is_group(node->kind)) {
     key(t, indent + 1, "children");
-    text_add(t, "[\n");
+    buffer_add(t, "[\n");
     for (uint32_t i = 0; i < node->child_count; ++i) {
-      text_indent(t, indent + 2);
+      buffer_indent(t, indent + 2);
       write_node(t, indent + 2, node->children[i]);
       end(t, i + 1 == node->child_count);
     }
-    text_indent(t, indent + 1);
-    text_add(t, "]");
+    buffer_indent(t, indent + 1);
+    buffer_add(t, "]");
   }
   end(t, true);
-  text_indent(t, indent);
-  text_add(t, "}");
+  buffer_indent(t, indent);
+  buffer_add(t, "}");
 }
 
 static void write_field(text_buffer* t, const scene_field* field) {
-  text_add(t, "{\n");
+  buffer_add(t, "{\n");
   if (field->name[0] != '\0') {
     string_key(t, 3, "name", field->name);
     end(t, false);
@@ -164,7 +164,7 @@ static void write_field(text_buffer* t, const scene_field* field) {
   string_key(t, 3, "pack", field->pack);
   end(t, false);
   key(t, 3, "seed");
-  text_format(t, "%llu", (unsigned long long)field->seed);
+  buffer_format(t, "%llu", (unsigned long long)field->seed);
   end(t, false);
   number_key(t, 3, "cell_size", field->cell_size);
   end(t, false);
@@ -173,34 +173,34 @@ static void write_field(text_buffer* t, const scene_field* field) {
   number_key(t, 3, "threshold", field->threshold);
   end(t, false);
   key(t, 3, "shell");
-  text_add(t, field->shell ? "true" : "false");
+  buffer_add(t, field->shell ? "true" : "false");
   end(t, false);
   key(t, 3, "palette");
-  text_add(t, "{\n");
+  buffer_add(t, "{\n");
   key(t, 4, "colours");
-  text_add(t, "[");
+  buffer_add(t, "[");
   for (uint32_t i = 0; i < field->palette.colour_count; ++i) {
-    if (i > 0) text_add(t, ", ");
+    if (i > 0) buffer_add(t, ", ");
     colour(t, field->palette.colours[i]);
   }
-  text_add(t, "],\n");
+  buffer_add(t, "],\n");
   number_key(t, 4, "variation", field->palette.variation);
   end(t, true);
-  text_indent(t, 3);
-  text_add(t, "}");
+  buffer_indent(t, 3);
+  buffer_add(t, "}");
   if (field->support != NULL) {
     end(t, false);
     key(t, 3, "support");
     write_node(t, 3, field->support);
   }
   end(t, true);
-  text_indent(t, 2);
-  text_add(t, "}");
+  buffer_indent(t, 2);
+  buffer_add(t, "}");
 }
 
 static void write_ground(text_buffer* t, const scene_ground* ground) {
   static const char* const kinds[] = {"none", "plane", "terrain"};
-  text_add(t, "{\n");
+  buffer_add(t, "{\n");
   string_key(t, 2, "kind", kinds[ground->kind]);
   end(t, false);
   colour_key(t, 2, "colour", ground->colour);
@@ -214,13 +214,13 @@ static void write_ground(text_buffer* t, const scene_ground* ground) {
     vector_key(t, 2, "position", ground->position);
   }
   end(t, true);
-  text_indent(t, 1);
-  text_add(t, "}");
+  buffer_indent(t, 1);
+  buffer_add(t, "}");
 }
 
 char* scene_write(const scene_model* scene, size_t* size) {
   text_buffer t = {0};
-  text_add(&t, "{\n");
+  buffer_add(&t, "{\n");
   if (scene->schema[0] != '\0') {
     string_key(&t, 1, "$schema", scene->schema);
     end(&t, false);
@@ -228,33 +228,33 @@ char* scene_write(const scene_model* scene, size_t* size) {
   string_key(&t, 1, "name", scene->name);
   end(&t, false);
   key(&t, 1, "camera");
-  text_add(&t, "{\n");
+  buffer_add(&t, "{\n");
   vector_key(&t, 2, "eye", scene->camera.eye);
   end(&t, false);
   vector_key(&t, 2, "target", scene->camera.target);
   end(&t, false);
   number_key(&t, 2, "fov", scene->camera.fov);
-  text_add(&t, "\n  },\n");
+  buffer_add(&t, "\n  },\n");
   key(&t, 1, "sun");
-  text_add(&t, "{\n");
+  buffer_add(&t, "{\n");
   vector_key(&t, 2, "direction", scene->sun.direction);
   end(&t, false);
   colour_key(&t, 2, "colour", scene->sun.colour);
-  text_add(&t, "\n  },\n");
+  buffer_add(&t, "\n  },\n");
   colour_key(&t, 1, "sky", scene->sky);
   end(&t, false);
   key(&t, 1, "ground");
   write_ground(&t, &scene->ground);
   end(&t, false);
   key(&t, 1, "fields");
-  text_add(&t, "[");
+  buffer_add(&t, "[");
   for (uint32_t i = 0; i < scene->field_count; ++i) {
-    text_add(&t, i > 0 ? ",\n" : "\n");
-    text_indent(&t, 2);
+    buffer_add(&t, i > 0 ? ",\n" : "\n");
+    buffer_indent(&t, 2);
     write_field(&t, &scene->fields[i]);
   }
-  text_add(&t, scene->field_count > 0 ? "\n  ]\n}\n" : "]\n}\n");
-  return text_take(&t, size);
+  buffer_add(&t, scene->field_count > 0 ? "\n  ]\n}\n" : "]\n}\n");
+  return buffer_take(&t, size);
 }
 
 scree_result scene_save(const scene_model* scene, const char* file, scree_error* error) {

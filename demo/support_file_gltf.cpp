@@ -10,16 +10,12 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
-#include <stdexcept>
 
 #include "file.h"
 
 namespace {
 
-/* A fault of the file, to be told in one line. */
-struct fault : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
+using fault = gltf_fault;
 
 const size_t file_limit = size_t(1) << 30;
 const uint32_t depth_limit = 64;
@@ -49,7 +45,8 @@ void check_nesting(const char* text, size_t size) {
   }
 }
 
-/* The JSON as tinygltf shall see it: it refuses indices without a buffer view, which is what Draco meshes have. */
+/* The JSON as tinygltf shall see it: it refuses indices without a buffer view, which is what Draco meshes have, so theirs are moved
+ * into the extension. */
 std::string prepare(const char* text, size_t size) {
   check_nesting(text, size);
   nlohmann::json root = nlohmann::json::parse(text, text + size, nullptr, false);
@@ -60,7 +57,9 @@ std::string prepare(const char* text, size_t size) {
       for (nlohmann::json& primitive : mesh["primitives"]) {
         bool has_draco = primitive.is_object() && primitive.contains("extensions") && primitive["extensions"].is_object() &&
                          primitive["extensions"].contains("KHR_draco_mesh_compression");
-        if (has_draco) primitive.erase("indices");
+        if (!has_draco || !primitive.contains("indices")) continue;
+        primitive["extensions"]["KHR_draco_mesh_compression"]["indices"] = primitive["indices"];
+        primitive.erase("indices");
       }
     }
   }
@@ -337,31 +336,6 @@ std::string folder_of(const char* file) {
   return slash == nullptr ? std::string() : std::string(file, size_t(slash - file));
 }
 
-soup load(const char* bytes, size_t size, const char* file) {
-  if (size >= UINT32_MAX) throw fault("the file is too large");
-  tinygltf::TinyGLTF loader;
-  loader.SetFsCallbacks({exists, expand, read, write, nullptr});
-  loader.SetImageLoader(ignore_image, nullptr);
-  tinygltf::Model model;
-  std::string message, warning;
-  bool is_binary = size >= 4 && std::memcmp(bytes, "glTF", 4) == 0;
-  bool good;
-  if (is_binary) {
-    std::string whole = prepare_binary(bytes, size);
-    good = loader.LoadBinaryFromMemory(&model, &message, &warning, reinterpret_cast<const unsigned char*>(whole.data()),
-                                       unsigned(whole.size()), folder_of(file));
-  } else {
-    std::string text = prepare(bytes, size);
-    good = loader.LoadASCIIFromString(&model, &message, &warning, text.data(), unsigned(text.size()), folder_of(file));
-  }
-  if (!good) throw fault(message.empty() ? "not a glTF file" : message.substr(0, message.find('\n')));
-  check_extensions(model);
-  soup out;
-  add_scene(model, out);
-  if (out.indices.empty()) throw fault("has no triangles");
-  return out;
-}
-
 template <typename T>
 T* copy_of(const std::vector<T>& items) {
   T* copy = static_cast<T*>(std::malloc(items.size() * sizeof(T)));
@@ -371,10 +345,31 @@ T* copy_of(const std::vector<T>& items) {
 
 }  // namespace
 
+void gltf_load(const char* bytes, size_t size, const char* file, tinygltf::Model& model) {
+  if (size >= UINT32_MAX) throw fault("the file is too large");
+  tinygltf::TinyGLTF loader;
+  loader.SetFsCallbacks({exists, expand, read, write, nullptr});
+  loader.SetImageLoader(ignore_image, nullptr);
+  std::string message, warning;
+  const bool is_binary = size >= 4 && std::memcmp(bytes, "glTF", 4) == 0;
+  const std::string prepared = is_binary ? prepare_binary(bytes, size) : prepare(bytes, size);
+  const unsigned length = unsigned(prepared.size());
+  const bool good =
+      is_binary ? loader.LoadBinaryFromMemory(&model, &message, &warning, reinterpret_cast<const unsigned char*>(prepared.data()),
+                                              length, folder_of(file))
+                : loader.LoadASCIIFromString(&model, &message, &warning, prepared.data(), length, folder_of(file));
+  if (!good) throw fault(message.empty() ? "not a glTF file" : message.substr(0, message.find('\n')));
+}
+
 extern "C" scree_result mesh_read_gltf(const char* bytes, size_t size, const char* file, triangle_mesh* out, scree_error* error) {
   *out = triangle_mesh{};
   try {
-    soup all = load(bytes, size, file);
+    tinygltf::Model model;
+    gltf_load(bytes, size, file, model);
+    check_extensions(model);
+    soup all;
+    add_scene(model, all);
+    if (all.indices.empty()) throw fault("has no triangles");
     out->positions = copy_of(all.positions);
     out->indices = copy_of(all.indices);
     out->vertex_count = all.vertex_count();

@@ -1,5 +1,5 @@
 /* Text that grows. */
-#include "text.h"
+#include "buffer.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -7,13 +7,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-void text_add_bytes(text_buffer* text, const char* bytes, size_t count) {
+void buffer_add_bytes(text_buffer* text, const char* bytes, size_t count) {
   if (text->failed) return;
   if (count >= text->capacity - text->length || text->bytes == NULL) {
     size_t capacity = text->capacity * 2 > text->length + count + 1 ? text->capacity * 2 : text->length + count + 256;
     char* grown = realloc(text->bytes, capacity);
     if (grown == NULL) {
-      text_free(text);
+      buffer_free(text);
       text->failed = true;
       return;
     }
@@ -25,37 +25,37 @@ void text_add_bytes(text_buffer* text, const char* bytes, size_t count) {
   text->bytes[text->length] = '\0';
 }
 
-void text_add(text_buffer* text, const char* string) {
-  text_add_bytes(text, string, strlen(string));
+void buffer_add(text_buffer* text, const char* string) {
+  buffer_add_bytes(text, string, strlen(string));
 }
 
-void text_format(text_buffer* text, const char* format, ...) {
+void buffer_format(text_buffer* text, const char* format, ...) {
   char line[256];
   va_list arguments;
   va_start(arguments, format);
   int length = vsnprintf(line, sizeof line, format, arguments);
   va_end(arguments);
-  if (length > 0) text_add_bytes(text, line, (size_t)length < sizeof line ? (size_t)length : sizeof line - 1);
+  if (length > 0) buffer_add_bytes(text, line, (size_t)length < sizeof line ? (size_t)length : sizeof line - 1);
 }
 
-void text_indent(text_buffer* text, uint32_t levels) {
-  for (uint32_t i = 0; i < levels; ++i) text_add_bytes(text, "  ", 2);
+void buffer_indent(text_buffer* text, uint32_t levels) {
+  for (uint32_t i = 0; i < levels; ++i) buffer_add_bytes(text, "  ", 2);
 }
 
-void text_string(text_buffer* text, const char* string) {
-  text_add(text, "\"");
+void buffer_string(text_buffer* text, const char* string) {
+  buffer_add(text, "\"");
   for (const char* c = string; *c != '\0'; ++c) {
     unsigned char code = (unsigned char)*c;
     if (code == '"' || code == '\\') {
-      text_add_bytes(text, "\\", 1);
-      text_add_bytes(text, c, 1);
+      buffer_add_bytes(text, "\\", 1);
+      buffer_add_bytes(text, c, 1);
     } else if (code < 0x20) {
-      text_format(text, "\\u%04x", code);
+      buffer_format(text, "\\u%04x", code);
     } else {
-      text_add_bytes(text, c, 1);
+      buffer_add_bytes(text, c, 1);
     }
   }
-  text_add(text, "\"");
+  buffer_add(text, "\"");
 }
 
 /* JSON has a point whatever the locale has. */
@@ -63,10 +63,10 @@ static void add_decimal(text_buffer* text, char* number) {
   for (char* c = number; *c != '\0'; ++c) {
     if (*c == ',') *c = '.';
   }
-  text_add(text, number);
+  buffer_add(text, number);
 }
 
-void text_number(text_buffer* text, double value) {
+void buffer_number(text_buffer* text, double value) {
   char number[32];
   if (!isfinite(value)) value = 0;
   for (int digits = 15; digits <= 17; ++digits) {
@@ -76,7 +76,7 @@ void text_number(text_buffer* text, double value) {
   add_decimal(text, number);
 }
 
-void text_float(text_buffer* text, float value) {
+void buffer_float(text_buffer* text, float value) {
   char number[32];
   if (!isfinite(value)) value = 0;
   for (int digits = 6; digits <= 9; ++digits) {
@@ -86,7 +86,7 @@ void text_float(text_buffer* text, float value) {
   add_decimal(text, number);
 }
 
-char* text_take(text_buffer* text, size_t* size) {
+char* buffer_take(text_buffer* text, size_t* size) {
   char* bytes = text->bytes;
   if (size != NULL) *size = text->length;
   text->bytes = NULL;
@@ -94,7 +94,7 @@ char* text_take(text_buffer* text, size_t* size) {
   return bytes;
 }
 
-void text_free(text_buffer* text) {
+void buffer_free(text_buffer* text) {
   free(text->bytes);
   text->bytes = NULL;
   text->length = text->capacity = 0;

@@ -1,0 +1,366 @@
+/* Rocks as a .glb file: which meshes and nodes, and what is in them. */
+#include "rock_export.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "file.h"
+#include "glb.h"
+#include "glb_draco.h"
+
+enum {
+  FLAT_SHADES = 4, /* materials per base colour where rocks have no colour of their own */
+  BATCH = 256      /* meshes that are made between two writes */
+};
+
+struct rock_export {
+  rock_export_desc desc;
+  glb_writer* glb;
+  char* path;
+  rock_export_stats stats;
+};
+
+/* Rocks are sorted by this: all of one shape stand together, and within them all of one material. */
+typedef struct rock {
+  uint32_t asset, material;
+  uint32_t row; /* in the layer */
+  float shade;
+} rock;
+
+/* One shape on its way from the pack to the file. */
+typedef struct shape {
+  uint32_t asset;
+  uint32_t vertex_count, triangle_count;
+  scree_vertex* vertices;
+  uint32_t* indices;
+  glb_draco draco;
+  scree_result result;
+} shape;
+
+typedef struct layer_state {
+  rock_export* out;
+  const rock_layer* layer;
+  uint32_t lod;
+  float step; /* metres per lattice step */
+  uint32_t materials[SCENE_PALETTE_MAX * FLAT_SHADES];
+  rock* rocks;
+  shape* shapes; /* BATCH */
+  uint32_t first_node;
+  uint32_t nodes;
+  rock_export_stats stats;
+} layer_state;
+
+scree_result rock_export_begin(const rock_export_desc* desc, rock_export** out, scree_error* error) {
+  *out = NULL;
+  rock_export* file = calloc(1, sizeof *file);
+  char* path = malloc(strlen(desc->path) + 1);
+  if (file == NULL || path == NULL) {
+    free(file);
+    free(path);
+    return fail_with(error, SCREE_ERROR_OUT_OF_MEMORY, "%s: out of memory", desc->path);
+  }
+  strcpy(path, desc->path);
+  file->desc = *desc;
+  file->path = path;
+  scree_result result = glb_begin(path, &file->glb, error);
+  if (result != SCREE_OK) {
+    rock_export_abort(file);
+    return result;
+  }
+  *out = file;
+  return SCREE_OK;
+}
+
+void rock_export_abort(rock_export* file) {
+  if (file == NULL) return;
+  glb_abort(file->glb);
+  free(file->path);
+  free(file);
+}
+
+scree_result rock_export_finish(rock_export* file, rock_export_stats* stats, scree_error* error) {
+  scree_result result = glb_finish(file->glb, &file->stats.bytes, error);
+  if (stats != NULL) *stats = file->stats;
+  file->glb = NULL;
+  rock_export_abort(file);
+  return result;
+}
+
+static uint32_t shade_count(const layer_state* s) {
+  return s->out->desc.format == ROCK_FORMAT_FLAT && s->layer->palette->variation > 0 ? FLAT_SHADES : 1;
+}
+
+static void add_materials(layer_state* s) {
+  const scene_palette* palette = s->layer->palette;
+  uint32_t shades = shade_count(s);
+  for (uint32_t i = 0; i < palette->colour_count; ++i) {
+    for (uint32_t k = 0; k < shades; ++k) {
+      /* The middle of each span of shades; instanced rocks have their own, so their material is the base colour itself. */
+      float shade = shades == 1 ? 1.0f : 1.0f - (float)palette->variation * ((float)k + 0.5f) / (float)shades;
+      float colour[3];
+      char name[SCENE_NAME_SIZE + 32];
+      for (int c = 0; c < 3; ++c) colour[c] = scene_linear_from_srgb(palette->colours[i][c]) * shade;
+      if (shades == 1) {
+        snprintf(name, sizeof name, "%s stone %u", s->layer->name, i + 1);
+      } else {
+        snprintf(name, sizeof name, "%s stone %u.%u", s->layer->name, i + 1, k + 1);
+      }
+      s->materials[i * shades + k] = glb_add_material(s->out->glb, name, colour);
+    }
+  }
+}
+
+static int compare_rocks(const void* a, const void* b) {
+  const rock *x = a, *y = b;
+  if (x->asset != y->asset) return x->asset < y->asset ? -1 : 1;
+  if (x->material != y->material) return x->material < y->material ? -1 : 1;
+  return x->row < y->row ? -1 : x->row > y->row;
+}
+
+static bool sort_rocks(layer_state* s) {
+  const rock_layer* layer = s->layer;
+  s->rocks = malloc((layer->count > 0 ? layer->count : 1) * sizeof *s->rocks);
+  if (s->rocks == NULL) return false;
+  uint32_t shades = shade_count(s);
+  float variation = (float)layer->palette->variation;
+  for (uint32_t i = 0; i < layer->count; ++i) {
+    float colour[3], shade;
+    uint32_t base;
+    scene_stone_colour(layer->palette, layer->hashes[i], colour, &base, &shade);
+    uint32_t bucket = 0;
+    if (shades > 1) {
+      float place = (1.0f - shade) / variation * (float)shades;
+      bucket = place < (float)(shades - 1) ? (uint32_t)place : shades - 1;
+    }
+    s->rocks[i] = (rock){layer->instances[i].asset, base * shades + bucket, i, shade};
+  }
+  qsort(s->rocks, layer->count, sizeof *s->rocks, compare_rocks);
+  return true;
+}
+
+/* Decodes one shape and, for the instanced form, encodes it again: the part that runs on all threads. */
+static void make_shape(void* context, uint32_t index, uint32_t worker) {
+  (void)worker;
+  layer_state* s = context;
+  shape* it = &s->shapes[index];
+  scree_lod lod;
+  it->result = scree_pack_get_lod(s->layer->pack, it->asset, s->lod, &lod);
+  if (it->result != SCREE_OK) return;
+  it->vertex_count = lod.vertices;
+  it->triangle_count = lod.triangles;
+  if (lod.vertices == 0 || lod.triangles == 0) return;
+  it->vertices = malloc(lod.vertices * sizeof *it->vertices);
+  it->indices = malloc((size_t)lod.triangles * 3 * sizeof *it->indices);
+  it->result = SCREE_ERROR_OUT_OF_MEMORY;
+  if (it->vertices == NULL || it->indices == NULL) return;
+  it->result =
+      scree_draco_decode_u32(s->layer->pack, it->asset, s->lod, it->vertices, lod.vertices, it->indices, (size_t)lod.triangles * 3);
+  if (it->result != SCREE_OK || s->out->desc.format == ROCK_FORMAT_FLAT) return;
+  it->result = glb_draco_encode(it->vertices, lod.vertices, it->indices, lod.triangles, &it->draco);
+}
+
+static void free_shape(shape* it) {
+  free(it->vertices);
+  free(it->indices);
+  free(it->draco.bytes);
+  *it = (shape){0};
+}
+
+static void bounds_of(const shape* it, float scale, float min[3], float max[3]) {
+  for (int k = 0; k < 3; ++k) min[k] = max[k] = (float)it->vertices[0].position[k] * scale;
+  for (uint32_t i = 1; i < it->vertex_count; ++i) {
+    for (int k = 0; k < 3; ++k) {
+      float value = (float)it->vertices[i].position[k] * scale;
+      if (value < min[k]) min[k] = value;
+      if (value > max[k]) max[k] = value;
+    }
+  }
+}
+
+/* The accessors of a shape's mesh as plain arrays. */
+static bool write_plain(layer_state* s, const shape* it, glb_mesh* mesh) {
+  glb_writer* glb = s->out->glb;
+  uint32_t count = it->vertex_count;
+  float* numbers = malloc((size_t)count * 3 * sizeof *numbers);
+  uint8_t* colours = malloc((size_t)count * 4);
+  uint16_t* narrow = malloc((size_t)it->triangle_count * 3 * sizeof *narrow);
+  bool good = numbers != NULL && colours != NULL && narrow != NULL;
+  if (good) {
+    float min[3], max[3];
+    bounds_of(it, s->step, min, max);
+    for (size_t i = 0; i < (size_t)count * 3; ++i) numbers[i] = (float)it->vertices[i / 3].position[i % 3] * s->step;
+    mesh->positions = glb_add_data(glb, GLB_POSITIONS, numbers, count, min, max);
+    for (size_t i = 0; i < (size_t)count * 3; ++i) numbers[i] = (float)it->vertices[i / 3].normal[i % 3] / 32767.0f;
+    mesh->normals = glb_add_data(glb, GLB_NORMALS, numbers, count, NULL, NULL);
+    for (uint32_t i = 0; i < count; ++i) {
+      memset(&colours[4 * (size_t)i], it->vertices[i].occlusion, 3);
+      colours[4 * (size_t)i + 3] = 255;
+    }
+    mesh->colours = glb_add_data(glb, GLB_COLOURS, colours, count, NULL, NULL);
+    /* 65535 is no vertex: it restarts strips. */
+    if (count <= UINT16_MAX) {
+      for (size_t i = 0; i < (size_t)it->triangle_count * 3; ++i) narrow[i] = (uint16_t)it->indices[i];
+      mesh->indices = glb_add_data(glb, GLB_INDICES16, narrow, it->triangle_count * 3, NULL, NULL);
+    } else {
+      mesh->indices = glb_add_data(glb, GLB_INDICES32, it->indices, it->triangle_count * 3, NULL, NULL);
+    }
+  }
+  free(numbers);
+  free(colours);
+  free(narrow);
+  return good;
+}
+
+static void write_draco(layer_state* s, const shape* it, glb_mesh* mesh) {
+  glb_writer* glb = s->out->glb;
+  float min[3], max[3];
+  bounds_of(it, 1.0f, min, max);
+  mesh->positions = glb_add_accessor(glb, GLB_POSITIONS, it->draco.points, min, max);
+  mesh->normals = glb_add_accessor(glb, GLB_NORMALS, it->draco.points, NULL, NULL);
+  mesh->colours = glb_add_accessor(glb, GLB_COLOURS, it->draco.points, NULL, NULL);
+  glb_stream indices = it->draco.points <= UINT16_MAX ? GLB_INDICES16 : GLB_INDICES32;
+  mesh->indices = glb_add_accessor(glb, indices, it->draco.triangles * 3, NULL, NULL);
+  mesh->blob = glb_add_blob(glb, it->draco.bytes, it->draco.size);
+  mesh->position_id = it->draco.position_id;
+  mesh->normal_id = it->draco.normal_id;
+  mesh->colour_id = it->draco.colour_id;
+}
+
+/* Nodes of `count` rocks that share shape and material. */
+static bool write_rocks(layer_state* s, const rock* rocks, uint32_t count, uint32_t mesh) {
+  glb_writer* glb = s->out->glb;
+  const scree_instance* instances = s->layer->instances;
+  glb_node node = {.mesh = mesh, .translations = GLB_NONE, .instance_colours = GLB_NONE};
+  if (s->out->desc.format == ROCK_FORMAT_FLAT) {
+    for (uint32_t i = 0; i < count; ++i) {
+      for (int k = 0; k < 3; ++k) node.translation[k] = (double)instances[rocks[i].row].position[k];
+      glb_add_node(glb, &node);
+      ++s->nodes;
+    }
+    return true;
+  }
+  float* places = malloc((size_t)count * 6 * sizeof *places);
+  if (places == NULL) return false;
+  float* shades = places + (size_t)count * 3;
+  for (uint32_t i = 0; i < count; ++i) {
+    for (size_t k = 0; k < 3; ++k) {
+      places[3 * (size_t)i + k] = (float)((double)instances[rocks[i].row].position[k] / (double)s->step);
+      shades[3 * (size_t)i + k] = rocks[i].shade;
+    }
+  }
+  node.translations = glb_add_data(glb, GLB_TRANSLATIONS, places, count, NULL, NULL);
+  node.instance_colours = glb_add_data(glb, GLB_INSTANCE_COLOURS, shades, count, NULL, NULL);
+  free(places);
+  glb_add_node(glb, &node);
+  ++s->nodes;
+  return true;
+}
+
+/* Writes a shape with all its rocks, which begin at `rocks`. Returns how many they are, 0 when memory is short. */
+static uint32_t write_shape(layer_state* s, const shape* it, const rock* rocks, uint32_t left) {
+  glb_mesh mesh = {.blob = GLB_NONE};
+  char name[SCENE_NAME_SIZE + 16];
+  uint32_t count = 0;
+  bool is_empty = it->vertex_count == 0 || it->triangle_count == 0;
+  snprintf(name, sizeof name, "%s %u", s->layer->name, it->asset);
+  mesh.name = name;
+  if (!is_empty) {
+    ++s->stats.shapes;
+    if (s->out->desc.format == ROCK_FORMAT_INSTANCED) {
+      write_draco(s, it, &mesh);
+    } else if (!write_plain(s, it, &mesh)) {
+      return 0;
+    }
+  }
+  while (count < left && rocks[count].asset == it->asset) {
+    uint32_t first = count;
+    while (count < left && rocks[count].asset == it->asset && rocks[count].material == rocks[first].material) ++count;
+    if (is_empty) continue;
+    mesh.material = s->materials[rocks[first].material];
+    if (!write_rocks(s, rocks + first, count - first, glb_add_mesh(s->out->glb, &mesh))) return 0;
+    s->stats.triangles += (uint64_t)it->triangle_count * (count - first);
+  }
+  return count;
+}
+
+static scree_result fail_shape(const layer_state* s, const shape* it, scree_error* error) {
+  return fail_with(error, it->result, "%s: rock %u of the pack, level %u: %s", s->layer->name, it->asset, s->lod,
+                   scree_result_string(it->result));
+}
+
+static scree_result write_shapes(layer_state* s, scree_error* error) {
+  uint32_t total = (uint32_t)s->layer->count, done = 0;
+  const scree_jobs* jobs = &s->out->desc.jobs;
+  scree_result result = SCREE_OK;
+  while (done < total && result == SCREE_OK) {
+    uint32_t shapes = 0;
+    for (uint32_t i = done; i < total; ++i) {
+      if (i > done && s->rocks[i].asset == s->rocks[i - 1].asset) continue;
+      if (shapes == BATCH) break;
+      s->shapes[shapes++] = (shape){.asset = s->rocks[i].asset};
+    }
+    if (jobs->parallel_for != NULL) {
+      jobs->parallel_for(jobs->user, shapes, make_shape, s);
+    } else {
+      for (uint32_t i = 0; i < shapes; ++i) make_shape(s, i, 0);
+    }
+    for (uint32_t i = 0; i < shapes; ++i) {
+      if (result == SCREE_OK && s->shapes[i].result != SCREE_OK) result = fail_shape(s, &s->shapes[i], error);
+      if (result == SCREE_OK) {
+        uint32_t written = write_shape(s, &s->shapes[i], s->rocks + done, total - done);
+        if (written == 0) result = fail_with(error, SCREE_ERROR_OUT_OF_MEMORY, "%s: out of memory", s->out->path);
+        done += written;
+      }
+      free_shape(&s->shapes[i]);
+    }
+    if (s->out->desc.progress != NULL) s->out->desc.progress(s->out->desc.user, (double)done / total);
+  }
+  return result;
+}
+
+static scree_result add_layer(layer_state* s, scree_error* error) {
+  if (!sort_rocks(s)) return fail_with(error, SCREE_ERROR_OUT_OF_MEMORY, "%s: out of memory", s->out->path);
+  add_materials(s);
+  scree_result result = write_shapes(s, error);
+  if (result != SCREE_OK || s->nodes == 0) return result;
+  const rock_layer* layer = s->layer;
+  glb_node group = {.name = layer->name,
+                    .mesh = GLB_NONE,
+                    .translation = {layer->origin[0], layer->origin[1], layer->origin[2]},
+                    .translations = GLB_NONE,
+                    .instance_colours = GLB_NONE,
+                    .first_child = s->first_node,
+                    .child_count = s->nodes,
+                    .is_root = true};
+  if (s->out->desc.format == ROCK_FORMAT_INSTANCED) group.scale = (double)s->step;
+  glb_add_node(s->out->glb, &group);
+  return SCREE_OK;
+}
+
+scree_result rock_export_add(rock_export* file, const rock_layer* layer, rock_export_stats* stats, scree_error* error) {
+  if (layer->count > INT32_MAX) return fail_with(error, SCREE_ERROR_RANGE, "%s: more than 2^31 rocks", layer->name);
+  if (layer->palette->colour_count < 1 || layer->palette->colour_count > SCENE_PALETTE_MAX)
+    return fail_with(error, SCREE_ERROR_RANGE, "%s: the palette needs 1..%d colours", layer->name, SCENE_PALETTE_MAX);
+  scree_pack_info info;
+  scree_pack_get_info(layer->pack, &info);
+  layer_state s = {.out = file, .layer = layer};
+  s.lod = file->desc.lod < info.lod_count ? file->desc.lod : info.lod_count - 1;
+  s.step = (float)(layer->cell_size / info.lattice_per_cell);
+  s.first_node = glb_node_count(file->glb);
+  s.shapes = calloc(BATCH, sizeof *s.shapes);
+  scree_result result;
+  if (s.shapes == NULL) {
+    result = fail_with(error, SCREE_ERROR_OUT_OF_MEMORY, "%s: out of memory", file->path);
+  } else {
+    result = add_layer(&s, error);
+  }
+  free(s.rocks);
+  free(s.shapes);
+  s.stats.instances = layer->count;
+  file->stats.instances += layer->count;
+  file->stats.triangles += s.stats.triangles;
+  file->stats.shapes += s.stats.shapes;
+  if (stats != NULL) *stats = s.stats;
+  return result;
+}
