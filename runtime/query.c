@@ -49,8 +49,8 @@ static bool find_cells(const scree_query_desc* d, query_run* run) {
   if (!support_level_bounds(d->support, level, low, high)) return false;
   bool everywhere = is_everywhere(d);
   for (int a = 0; a < 3; ++a) {
-    run->cell_low[a] = first_cell_from(low[a] - run->test_base[a] - (double)field->centroid_max[a] - h, h);
-    run->cell_high[a] = first_cell_from(high[a] - run->test_base[a] - (double)field->centroid_min[a] + h, h);
+    run->cell_low[a] = first_cell_from(low[a] - run->test_base[a] - (double)field->centroid_max[a], h) - 1;
+    run->cell_high[a] = first_cell_from(high[a] - run->test_base[a] - (double)field->centroid_min[a], h) + 2;
     if (!everywhere) {
       int64_t first = first_cell_from(d->min[a] - field->origin[a], h), end = first_cell_from(d->max[a] - field->origin[a], h);
       if (first > run->cell_low[a]) run->cell_low[a] = first;

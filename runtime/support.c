@@ -184,14 +184,16 @@ static double compile_height(support_op* op, const support_height* grid, const f
 static void compile_mesh(support_op* op, const support_mesh* grid, const frame* f) {
   double low[3], high[3];
   op->kind = OP_MESH;
-  op->mesh.frame = leaf_frame(f, false);
+  frame centred = *f; /* on the grid */
+  to_root(f, grid->middle, centred.origin);
+  op->mesh.frame = leaf_frame(&centred, false);
   op->mesh.grid = grid;
   op->lipschitz = grid->lipschitz;
   for (int a = 0; a < 3; ++a) {
     low[a] = (double)grid->low[a];
     high[a] = (double)grid->high[a];
   }
-  set_bounds(op, f, low, high);
+  set_bounds(op, &centred, low, high);
 }
 
 static void compile_callback(support_op* op, const scree_shape* s, const frame* f) {

@@ -103,6 +103,16 @@ static scree_result check_mesh(checker* c, const scree_shape* s) {
   for (size_t i = 0; i < (size_t)s->mesh.vertex_count * 3; ++i)
     if (!(fabsf(s->mesh.positions[i]) <= (float)LARGEST))
       return number(c, "mesh.positions", (int)i, (double)s->mesh.positions[i], false, "a finite number of metres");
+  double longest = 0;
+  for (int a = 0; a < 3; ++a) {
+    double low = (double)s->mesh.positions[a], high = low;
+    for (size_t i = (size_t)a; i < (size_t)s->mesh.vertex_count * 3; i += 3) {
+      if ((double)s->mesh.positions[i] < low) low = (double)s->mesh.positions[i];
+      if ((double)s->mesh.positions[i] > high) high = (double)s->mesh.positions[i];
+    }
+    if (high - low > longest) longest = high - low;
+  }
+  TRY(number(c, "the longest side of mesh", -1, longest, longest >= 1e-6, "at least 1e-6 metres"));
   for (size_t i = 0; i < (size_t)s->mesh.triangle_count * 3; ++i)
     if (s->mesh.indices[i] >= s->mesh.vertex_count) {
       say_field(c, "mesh.indices", (int)i);

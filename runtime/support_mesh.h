@@ -5,17 +5,18 @@
 #include <scree/support.h>
 
 typedef struct support_mesh {
-  float* samples;     /* size[0] * size[1] * size[2], x fastest, metres, negative inside */
-  uint32_t size[3];   /* each >= 2 */
-  float low[3];       /* position of sample (0, 0, 0) */
-  float high[3];      /* position of the last sample */
-  float inverse_step; /* samples per metre */
-  float lipschitz;    /* of the interpolated distance */
-  float mesh_min[3], mesh_max[3];
+  float* samples;   /* size[0] * size[1] * size[2], x fastest, metres, negative inside; > 0 on the grid's outer faces */
+  uint32_t size[3]; /* each >= 2 */
+  double middle[3]; /* of the grid in the mesh's space: positions below are relative to it */
+  float low[3];     /* of sample (0, 0, 0) */
+  float high[3];    /* of the last sample */
+  float step;       /* metres between samples */
+  float inverse_step;
+  float lipschitz; /* of the interpolated distance */
 } support_mesh;
 
-/* Checks that the mesh is closed and does not lie inside out; shape_index is for the error's text. Returns SCREE_OK,
- * INVALID_ARGUMENT, NOT_CLOSED or OUT_OF_MEMORY. */
+/* Checks that the mesh is closed and not inside out; its numbers were checked before. shape_index is for the error's text.
+ * Returns SCREE_OK, INVALID_ARGUMENT, NOT_CLOSED or OUT_OF_MEMORY. */
 scree_result support_mesh_check(const scree_shape* shape, uint32_t shape_index, const scree_allocator* allocator,
                                 scree_error* error);
 

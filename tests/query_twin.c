@@ -38,15 +38,34 @@ static bool in_box(const scree_query_desc* d, const int64_t cell[3]) {
   return everywhere || inside;
 }
 
+/* Rocks whose distance is still to be asked for; many at once, since a call has its price. What a point's distance is does not
+ * depend on its neighbours in the call: test_support.c holds that. */
+typedef struct pending_rocks {
+  float x[512], y[512], z[512], mean_radius[512];
+  found_rock rocks[512];
+  uint32_t count;
+} pending_rocks;
+
+static void settle(const scree_query_desc* d, float depth, pending_rocks* pending, found_rocks* found, uint64_t* capacity) {
+  float distance[512], share = d->threshold == 0 ? 0.5f : d->threshold;
+  scree_support_distance(d->support, pending->x, pending->y, pending->z, distance, pending->count);
+  for (uint32_t i = 0; i < pending->count; ++i) {
+    if (distance[i] > (float)(1 - 2 * (double)share) * pending->mean_radius[i]) continue;
+    if ((d->flags & SCREE_QUERY_SHELL) && distance[i] <= -depth) continue;
+    add(found, capacity, &pending->rocks[i]);
+  }
+  pending->count = 0;
+}
+
 found_rocks twin_query(const scree_query_desc* d, const field_source* source, const int64_t low[3], const int64_t high[3]) {
   const scree_field* field = d->field;
   double h = field->cell_size;
   int64_t n = source->cells_per_cube, c[3];
-  float share = d->threshold == 0 ? 0.5f : d->threshold;
   float depth = d->shell_depth > 0 ? d->shell_depth : (float)(2 * (double)source->max_radius * h);
   found_rocks found = {NULL, 0};
   uint64_t capacity = 0;
-  float x[FIELD_MAX_PER_CELL], y[FIELD_MAX_PER_CELL], z[FIELD_MAX_PER_CELL], distance[FIELD_MAX_PER_CELL];
+  pending_rocks pending;
+  pending.count = 0;
   for (c[2] = low[2]; c[2] < high[2]; ++c[2])
     for (c[1] = low[1]; c[1] < high[1]; ++c[1])
       for (c[0] = low[0]; c[0] < high[0]; ++c[0]) {
@@ -62,24 +81,20 @@ found_rocks twin_query(const scree_query_desc* d, const field_source* source, co
         }
         uint32_t code = cube_code(field->seed, rock.id.cube[0], rock.id.cube[1], rock.id.cube[2]);
         uint32_t cell = lattice_cell((uint32_t)n, code, place[0], place[1], place[2]);
-        uint32_t first = source->cell_first[cell], count = source->cell_first[cell + 1] - first;
-        for (uint32_t k = 0; k < count; ++k) {
-          const field_rock* r = &source->rocks[first + k];
-          x[k] = at[0] + (float)((double)r->centroid[0] * h);
-          y[k] = at[1] + (float)((double)r->centroid[1] * h);
-          z[k] = at[2] + (float)((double)r->centroid[2] * h);
-        }
-        scree_support_distance(d->support, x, y, z, distance, count);
-        for (uint32_t k = 0; k < count; ++k) {
-          const field_rock* r = &source->rocks[first + k];
-          float mean = (float)(0.5 * ((double)r->inner_radius + (double)r->outer_radius) * h);
-          if (distance[k] > (float)(1 - 2 * (double)share) * mean) continue;
-          if ((d->flags & SCREE_QUERY_SHELL) && distance[k] <= -depth) continue;
+        for (uint32_t asset = source->cell_first[cell]; asset < source->cell_first[cell + 1]; ++asset) {
+          const field_rock* r = &source->rocks[asset];
+          uint32_t k = pending.count++;
+          pending.x[k] = at[0] + (float)((double)r->centroid[0] * h);
+          pending.y[k] = at[1] + (float)((double)r->centroid[1] * h);
+          pending.z[k] = at[2] + (float)((double)r->centroid[2] * h);
+          pending.mean_radius[k] = (float)(0.5 * ((double)r->inner_radius + (double)r->outer_radius) * h);
           rock.id.local = (place[0] + (uint32_t)n * (place[1] + (uint32_t)n * place[2])) * source->max_rocks_per_cell + r->seed;
-          rock.instance.asset = first + k;
-          add(&found, &capacity, &rock);
+          rock.instance.asset = asset;
+          pending.rocks[k] = rock;
+          if (pending.count == 512) settle(d, depth, &pending, &found, &capacity);
         }
       }
+  settle(d, depth, &pending, &found, &capacity);
   if (found.count > 0) qsort(found.rocks, found.count, sizeof *found.rocks, compare_ids);
   return found;
 }

@@ -125,7 +125,7 @@ static scree_shape_kind any_kind(random_stream* r, bool with_mesh) {
 
 void random_leaf(random_support* s, random_stream* r, scree_shape_kind kind, double reach) {
   memset(&s->desc, 0, sizeof s->desc);
-  fill_leaf(s, 0, r, &s->shapes[0], kind < SCREE_SHAPE_UNION ? kind : any_kind(r, false), reach);
+  fill_leaf(s, 0, r, &s->shapes[0], kind < SCREE_SHAPE_UNION ? kind : any_kind(r, true), reach);
   s->desc.shapes = s->shapes;
   s->desc.shape_count = 1;
 }
@@ -135,7 +135,7 @@ void random_tree(random_support* s, random_stream* r, uint32_t leaves, double re
   /* Shapes are made from the last to the first: leaves, then groups over shapes that have no parent yet. */
   uint32_t next = RANDOM_MAX_SHAPES, used = 0, orphans[RANDOM_MAX_SHAPES], orphan_count = 0;
   for (uint32_t i = 0; i < leaves; ++i) {
-    fill_leaf(s, i, r, &s->shapes[--next], any_kind(r, false), reach);
+    fill_leaf(s, i, r, &s->shapes[--next], any_kind(r, true), reach);
     orphans[orphan_count++] = next;
   }
   while (orphan_count > 1) {

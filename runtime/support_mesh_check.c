@@ -1,0 +1,106 @@
+/* Is a triangle mesh the border of a solid: every edge used once in each direction, and the right side out? */
+#include "allocator.h"
+#include "lattice.h"
+#include "support_mesh.h"
+#include "support_text.h"
+
+/* Directed edges from -> to as from << 32 | to, in an open hash table. No edge joins a vertex to itself, so 0 marks an empty place.
+ */
+typedef struct edge_table {
+  uint64_t* edges;
+  size_t size; /* a power of two, at least twice the number of edges */
+} edge_table;
+
+static uint64_t edge_key(uint32_t from, uint32_t to) {
+  return (uint64_t)from << 32 | to;
+}
+
+/* The place of the edge, or the empty place where it belongs. */
+static uint64_t* edge_place(const edge_table* table, uint64_t edge) {
+  size_t at = (size_t)hash_mix(edge) & (table->size - 1);
+  while (table->edges[at] != 0 && table->edges[at] != edge) at = (at + 1) & (table->size - 1);
+  return &table->edges[at];
+}
+
+static void say_shape(scree_error* error, uint32_t shape_index) {
+  text_clear(error);
+  text_add(error, "shape ");
+  text_add_count(error, shape_index);
+  text_add(error, ": mesh");
+}
+
+static scree_result refuse_edge(scree_error* error, uint32_t shape_index, uint32_t from, uint32_t to, uint32_t triangle,
+                                const char* why) {
+  say_shape(error, shape_index);
+  text_add(error, " is not closed: the edge from vertex ");
+  text_add_count(error, from);
+  text_add(error, " to ");
+  text_add_count(error, to);
+  text_add(error, " of triangle ");
+  text_add_count(error, triangle);
+  text_add(error, why);
+  return SCREE_ERROR_NOT_CLOSED;
+}
+
+static scree_result check_edges(const scree_shape* shape, uint32_t shape_index, const edge_table* table, scree_error* error) {
+  for (uint32_t t = 0; t < shape->mesh.triangle_count; ++t) {
+    const uint32_t* v = shape->mesh.indices + (size_t)3 * t;
+    for (int k = 0; k < 3; ++k) {
+      uint32_t from = v[k], to = v[(k + 1) % 3];
+      if (from == to) {
+        say_shape(error, shape_index);
+        text_add(error, " triangle ");
+        text_add_count(error, t);
+        text_add(error, " uses vertex ");
+        text_add_count(error, from);
+        text_add(error, " twice");
+        return SCREE_ERROR_INVALID_ARGUMENT;
+      }
+      uint64_t* place = edge_place(table, edge_key(from, to));
+      if (*place != 0) return refuse_edge(error, shape_index, from, to, t, " is used by another triangle in the same direction");
+      *place = edge_key(from, to);
+    }
+  }
+  for (uint32_t t = 0; t < shape->mesh.triangle_count; ++t) {
+    const uint32_t* v = shape->mesh.indices + (size_t)3 * t;
+    for (int k = 0; k < 3; ++k) {
+      uint32_t from = v[k], to = v[(k + 1) % 3];
+      if (*edge_place(table, edge_key(to, from)) == 0)
+        return refuse_edge(error, shape_index, from, to, t, " has no triangle on its other side");
+    }
+  }
+  return SCREE_OK;
+}
+
+/* Six times the volume, from the first vertex so that far away meshes keep their digits. */
+static double volume6(const scree_shape* shape) {
+  const float* origin = shape->mesh.positions;
+  double sum = 0;
+  for (uint32_t t = 0; t < shape->mesh.triangle_count; ++t) {
+    double p[3][3];
+    for (int k = 0; k < 3; ++k)
+      for (int a = 0; a < 3; ++a)
+        p[k][a] = (double)shape->mesh.positions[(size_t)3 * shape->mesh.indices[(size_t)3 * t + k] + a] - (double)origin[a];
+    sum += p[0][0] * (p[1][1] * p[2][2] - p[1][2] * p[2][1]) + p[0][1] * (p[1][2] * p[2][0] - p[1][0] * p[2][2]) +
+           p[0][2] * (p[1][0] * p[2][1] - p[1][1] * p[2][0]);
+  }
+  return sum;
+}
+
+scree_result support_mesh_check(const scree_shape* shape, uint32_t shape_index, const scree_allocator* allocator,
+                                scree_error* error) {
+  edge_table table = {NULL, 16};
+  while (table.size < (size_t)6 * shape->mesh.triangle_count) table.size *= 2;
+  table.edges = allocate_zeroed(allocator, table.size, sizeof *table.edges);
+  if (table.edges == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
+  scree_result result = check_edges(shape, shape_index, &table, error);
+  release(allocator, table.edges, table.size, sizeof *table.edges);
+  if (result != SCREE_OK) return result;
+
+  double volume = volume6(shape);
+  if (volume > 0) return SCREE_OK;
+  say_shape(error, shape_index);
+  text_add(error,
+           volume < 0 ? " is inside out: its triangles must run counter-clockwise seen from outside" : " encloses no volume");
+  return SCREE_ERROR_INVALID_ARGUMENT;
+}
