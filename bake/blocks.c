@@ -3,6 +3,12 @@
 #include <stdbool.h>
 #include <string.h>
 
+/* At the end of a support the distance grows without bound, and its slope faster still. In the middle of a rock all other supports
+ * end, so that (second - best) / slope would fall to 0 there and erosion would cut clefts into the heart of every rock. The scale
+ * of the field is free, as long as all rocks share it: so the slope of the weights is held down, which makes the field deep inside.
+ */
+#define MAX_SLOPE 3.0
+
 scree_result block_tables_create(uint32_t voxels, const scree_allocator* allocator, block_tables* out) {
   memset(out, 0, sizeof *out);
   out->voxels = voxels;
@@ -22,7 +28,7 @@ scree_result block_tables_create(uint32_t voxels, const scree_allocator* allocat
     const double t = (v + 0.5) / voxels;
     double slope;
     out->weight[0][v] = (float)support_weight(t, &slope);
-    out->slope[0][v] = (float)slope;
+    out->slope[0][v] = (float)(slope < MAX_SLOPE ? slope : MAX_SLOPE);
     /* The upper cell sees the same voxel mirrored. */
     out->weight[1][voxels - 1 - v] = out->weight[0][v];
     out->slope[1][voxels - 1 - v] = -out->slope[0][v];

@@ -38,7 +38,7 @@ typedef struct block_seed {
 typedef struct block_fields {
   float* nearest;       /* distance of the best seed */
   float* depth;         /* (second best - best) * inverse_slope: signed depth below the border, cells */
-  float* inverse_slope; /* 1 / |grad best - grad second| */
+  float* inverse_slope; /* 1 / |grad best - grad second|, the weights' slopes held down, see blocks.c */
   uint8_t* owner;       /* index of the best seed */
 } block_fields;
 

@@ -353,6 +353,97 @@ static void an_eroded_rock_is_one_piece_inside_its_grid(void** state) {
   assert_int_equal(touching, 0);
 }
 
+/* Distance from an owned voxel to the nearest one that the rock does not own, in voxels, up to `most`. */
+static double true_depth(const rock_worker* worker, const uint32_t at[3], int32_t most) {
+  const uint32_t* size = worker->grid.size;
+  int32_t least = most * most;
+  for (int32_t z = -most; z <= most; ++z)
+    for (int32_t y = -most; y <= most; ++y)
+      for (int32_t x = -most; x <= most; ++x) {
+        const int32_t d2 = x * x + y * y + z * z, v[3] = {(int32_t)at[0] + x, (int32_t)at[1] + y, (int32_t)at[2] + z};
+        if (d2 >= least) continue;
+        bool own = true;
+        for (int axis = 0; axis < 3; ++axis) own = own && v[axis] >= 0 && v[axis] < (int32_t)size[axis];
+        if (own) own = worker->field[(uint32_t)v[0] + (size_t)size[0] * ((uint32_t)v[1] + (size_t)size[1] * (uint32_t)v[2])] > 0;
+        if (!own) least = d2;
+      }
+  return sqrt(least);
+}
+
+/* Else erosion, which cuts where the field is shallow, would cut clefts through the middle of a rock. */
+static void the_field_is_deep_where_the_rock_is_deep(void** state) {
+  (void)state;
+  scree_recipe recipe;
+  scree_recipe_default(&recipe);
+  recipe.n = 4;
+  const scree_bake_desc desc = {.recipe = &recipe};
+  bake_run bake;
+  assert_int_equal(bake_begin(&desc, false, &bake), SCREE_OK);
+  rock_worker* worker = &bake.workers[0].rock;
+  const double voxels = recipe.voxels_per_cell;
+  double shallowest = INFINITY;
+  uint32_t looked = 0;
+  for (uint32_t i = 0; i < bake.cell_count; i += 23) {
+    uint32_t code, x, y, z;
+    lattice_cell_place(bake.seeds.n, bake.cells[i], &code, &x, &y, &z);
+    block_cache_begin(&worker->blocks, code);
+    if (!rock_voronoi(worker, (int32_t)x, (int32_t)y, (int32_t)z, 0)) continue;
+    const uint32_t* size = worker->grid.size;
+    uint32_t at[3];
+    for (at[2] = 0; at[2] < size[2]; ++at[2])
+      for (at[1] = 0; at[1] < size[1]; ++at[1])
+        for (at[0] = 0; at[0] < size[0]; ++at[0]) {
+          const float field = worker->field[at[0] + (size_t)size[0] * (at[1] + (size_t)size[1] * at[2])];
+          if (field <= 0) continue;
+          const double depth = true_depth(worker, at, 4);
+          if (depth < 3) continue;
+          ++looked;
+          shallowest = fmin(shallowest, field * voxels / depth);
+        }
+  }
+  bake_end(&bake);
+  print_message("%u voxels 3 voxels or more below the border: the field is at least %.2f of that\n", looked, shallowest);
+  assert_true(looked > 10000);
+  assert_true(shallowest > 0.3);
+}
+
+static void boulders_have_no_cavities(void** state) {
+  (void)state;
+  scree_recipe recipe;
+  scree_recipe_default(&recipe);
+  recipe.n = 4;
+  stones set;
+  stones_create(&recipe, &set);
+  uint32_t hollow = 0;
+  for (uint32_t slot = 0; slot < set.bake.slot_count; ++slot) {
+    const stone* rock = &set.by_slot[slot];
+    assert_non_null(rock->field);
+    const uint32_t *size = rock->grid.size, strides[3] = {1, size[0], size[0] * size[1]}, count = strides[2] * size[2];
+    uint8_t* open = need(count, 1); /* outside voxels that a flood from the first one reaches */
+    uint32_t* stack = need(count, sizeof *stack);
+    uint32_t height = 1, outside = 0;
+    open[0] = 1;
+    while (height > 0) {
+      const uint32_t top = stack[--height], at[3] = {top % size[0], top / size[0] % size[1], top / strides[2]};
+      for (int axis = 0; axis < 3; ++axis)
+        for (int side = 0; side < 2; ++side) {
+          if (side == 0 ? at[axis] == 0 : at[axis] + 1 == size[axis]) continue;
+          const uint32_t next = side == 0 ? top - strides[axis] : top + strides[axis];
+          if (open[next] || rock->field[next] > 0) continue;
+          open[next] = 1;
+          stack[height++] = next;
+        }
+    }
+    for (uint32_t v = 0; v < count; ++v) outside += !open[v] && !(rock->field[v] > 0);
+    hollow += outside > 0;
+    free(open);
+    free(stack);
+  }
+  print_message("%u of %u rocks have a cavity\n", hollow, set.bake.slot_count);
+  stones_destroy(&set);
+  assert_int_equal(hollow, 0);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(boulders_touch_their_neighbours_and_never_overlap_them),
@@ -361,6 +452,8 @@ int main(void) {
       cmocka_unit_test(deep_rocks_have_nine_contacts_or_more_and_none_hangs_in_the_air),
       cmocka_unit_test(erosion_only_subtracts),
       cmocka_unit_test(an_eroded_rock_is_one_piece_inside_its_grid),
+      cmocka_unit_test(the_field_is_deep_where_the_rock_is_deep),
+      cmocka_unit_test(boulders_have_no_cavities),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
