@@ -63,7 +63,7 @@ scree_result bake_begin(const scree_bake_desc* desc, bool plain_kernels, bake_ru
   out->worker_count = desc->jobs.parallel_for == NULL ? 1 : desc->jobs.worker_count;
   scree_result result = recipe_check_all(desc->recipe, NULL);
   if (result == SCREE_OK) result = seed_set_create(&out->recipe, &out->allocator, &out->seeds);
-  if (result == SCREE_OK) result = block_tables_create(out->recipe.voxels_per_cell, &out->allocator, &out->tables);
+  if (result == SCREE_OK) result = block_tables_create(&out->recipe, &out->allocator, &out->tables);
   if (result == SCREE_OK) result = shared_blocks_create(&out->seeds, &out->tables, out->kernels, &out->allocator, &out->shared);
   if (result == SCREE_OK) result = sort_cells(out);
   if (result == SCREE_OK) {

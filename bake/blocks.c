@@ -3,14 +3,22 @@
 #include <stdbool.h>
 #include <string.h>
 
-/* At the end of a support the distance grows without bound, and its slope faster still. In the middle of a rock all other supports
- * end, so that (second - best) / slope would fall to 0 there and erosion would cut clefts into the heart of every rock. The scale
- * of the field is free, as long as all rocks share it: so the slope of the weights is held down, which makes the field deep inside.
- */
-#define MAX_SLOPE 3.0
+/* Distance halfway between two mean seeds: what sets apart near and far. */
+static double typical_distance(const scree_recipe* recipe) {
+  const scree_range ranges[3] = {recipe->alpha, recipe->beta, recipe->gamma};
+  double form = 0;
+  for (int i = 0; i < 3; ++i) form += (ranges[i].min + ranges[i].max) / 6;
+  /* Seeds lie 1 / s cells apart, s being the cube root of their number; Newton's steps repeat to the bit, cbrt does not. */
+  const double count = (recipe->seeds_min + recipe->seeds_max) * 0.5;
+  double s = 1;
+  for (int step = 0; step < 32; ++step) s -= (s * s * s - count) / (3 * s * s);
+  return form * 0.25 / (s * s) / ((recipe->g.min + recipe->g.max) * 0.5);
+}
 
-scree_result block_tables_create(uint32_t voxels, const scree_allocator* allocator, block_tables* out) {
+scree_result block_tables_create(const scree_recipe* recipe, const scree_allocator* allocator, block_tables* out) {
   memset(out, 0, sizeof *out);
+  const uint32_t voxels = recipe->voxels_per_cell;
+  out->level = (float)typical_distance(recipe);
   out->voxels = voxels;
   out->plane = round_to_lanes(voxels * voxels);
   out->cells_per_unit = (float)(1.0 / (UNITS_PER_VOXEL * (double)voxels));
@@ -28,7 +36,7 @@ scree_result block_tables_create(uint32_t voxels, const scree_allocator* allocat
     const double t = (v + 0.5) / voxels;
     double slope;
     out->weight[0][v] = (float)support_weight(t, &slope);
-    out->slope[0][v] = (float)(slope < MAX_SLOPE ? slope : MAX_SLOPE);
+    out->slope[0][v] = (float)slope;
     /* The upper cell sees the same voxel mirrored. */
     out->weight[1][voxels - 1 - v] = out->weight[0][v];
     out->slope[1][voxels - 1 - v] = -out->slope[0][v];

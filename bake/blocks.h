@@ -45,7 +45,7 @@ typedef struct block_cache {
   size_t memory_count;
 } block_cache;
 
-scree_result block_tables_create(uint32_t voxels, const scree_allocator* allocator, block_tables* out);
+scree_result block_tables_create(const scree_recipe* recipe, const scree_allocator* allocator, block_tables* out);
 void block_tables_destroy(block_tables* tables, const scree_allocator* allocator);
 
 scree_result block_cache_create(const shared_blocks* shared, const scree_allocator* allocator, block_cache* out);

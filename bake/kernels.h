@@ -19,6 +19,7 @@ typedef struct block_tables {
   uint32_t voxels; /* R */
   uint32_t plane;  /* R^2 rounded up to lanes */
   float cells_per_unit;
+  float level;         /* k */
   float* x;            /* [plane] units from the lower cell's centre */
   float* y;            /* [plane] */
   float* weight_xy[4]; /* [plane] 1 / (w(x) w(y)) for side x + 2 side y */
@@ -34,11 +35,16 @@ typedef struct block_seed {
   uint32_t corner; /* which of the 2x2x2 cells it belongs to: x + 2 y + 4 z */
 } block_seed;
 
-/* One dual block, R planes each. */
+/* One dual block, R planes each.
+ *
+ * Depths are differences of levels, divided by the gradient of that difference. The level of a distance d is d / (d + k): it grows
+ * with d, so it has the same owner and the same border, but it stays smooth where a support ends and d does not. (With plain
+ * distances the depth falls to nothing at the centre of a cell, where all its neighbours' supports end, and rocks come out hollow.)
+ * It is computed as 1 - k / (d + k), whose roundings are all monotone: the fields of two rocks never add up to more than 0. */
 typedef struct block_fields {
-  float* nearest;       /* distance of the best seed */
-  float* depth;         /* (second best - best) * inverse_slope: signed depth below the border, cells */
-  float* inverse_slope; /* 1 / |grad best - grad second|, the weights' slopes held down, see blocks.c */
+  float* nearest;       /* level of the best seed */
+  float* depth;         /* (level of the second best - of the best) * inverse_slope: signed depth below the border, cells */
+  float* inverse_slope; /* 1 / |grad level best - grad level second| */
   uint8_t* owner;       /* index of the best seed */
 } block_fields;
 
@@ -52,6 +58,7 @@ typedef struct rock_row {
   float dy, dz;          /* cells from the seed */
   float weight_y, weight_z;
   const float* metric;
+  float level;          /* k of the levels */
   const float* nearest; /* as in block_fields, gathered along the row */
   const float* depth;
   const float* inverse_slope;

@@ -87,12 +87,17 @@ static void voronoi_block(const block_tables* tables, const block_seed* seeds, u
         const int32_t number = (int32_t)k;
         owner = select_int(first, (vi){number, number, number, number, number, number, number, number}, owner);
       }
-      const vf gx = best_x - second_x, gy = best_y - second_y, gz = best_z - second_z;
+      /* Levels instead of distances, see block_fields. */
+      const vf k = splat(tables->level), best_inverse = splat(1) / (best + k), second_inverse = splat(1) / (second + k);
+      const vf best_scale = k * best_inverse * best_inverse, second_scale = k * second_inverse * second_inverse;
+      const vf gx = best_x * best_scale - second_x * second_scale, gy = best_y * best_scale - second_y * second_scale;
+      const vf gz = best_z * best_scale - second_z * second_scale;
       const vf slope = root((gx * gx + gy * gy) + gz * gz);
       const vf inverse = splat(1) / greatest(slope, splat(1e-3f));
+      const vf best_level = splat(1) - k / (best + k), second_level = splat(1) - k / (second + k);
       const size_t to = (size_t)z * plane + at;
-      store(out->nearest + to, best);
-      store(out->depth + to, (second - best) * inverse);
+      store(out->nearest + to, best_level);
+      store(out->depth + to, (second_level - best_level) * inverse);
       store(out->inverse_slope + to, inverse);
       for (int i = 0; i < LANES; ++i) out->owner[to + (size_t)i] = (uint8_t)owner[i];
     }
@@ -110,7 +115,8 @@ static void rock_field(const rock_row* row, float limit, float* field) {
     const vf form = (mx * dx + my * dy) + mz * dz;
     const vf weight = (load(row->weight_x + at) * splat(row->weight_y)) * splat(row->weight_z);
     const vf distance = form * weight;
-    const vf outside = (load(row->nearest + at) - distance) * load(row->inverse_slope + at);
+    const vf level = splat(1) - splat(row->level) / (distance + splat(row->level));
+    const vf outside = (load(row->nearest + at) - level) * load(row->inverse_slope + at);
     vi own;
     memcpy(&own, row->own + at, sizeof own);
     vf value = select(own, load(row->depth + at), outside);

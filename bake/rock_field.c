@@ -110,6 +110,7 @@ bool rock_voronoi(rock_worker* worker, int32_t x, int32_t y, int32_t z, uint32_t
                   .dx = axes[0].from_seed,
                   .weight_x = axes[0].weight,
                   .metric = own_seed->metric,
+                  .level = worker->tables->level,
                   .nearest = nearest,
                   .depth = depth,
                   .inverse_slope = inverse_slope,
