@@ -139,7 +139,7 @@ static scree_result copy_contacts(const bake_run* bake, const rock_worker* worke
     const rock_contact* from = &worker->contacts[c];
     for (int axis = 0; axis < 3; ++axis) {
       const double lattice = (double)from->position[axis] * bake->recipe.lattice_steps / UNITS_PER_VOXEL;
-      out->contacts[c].position[axis] = (int16_t)floor(lattice + 0.5);
+      out->contacts[c].position[axis] = (int16_t)floor(lattice); /* like the vertices, see surface_nets.h */
       out->contacts[c].cell[axis] = from->cell[axis];
     }
     out->contacts[c].seed = from->seed;

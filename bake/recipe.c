@@ -62,7 +62,7 @@ void scree_recipe_default(scree_recipe* out) {
   out->noise = 0.1;
   out->noise_frequency = 3.5;
   out->noise_octaves = 2;
-  out->voxels_per_cell = 10;
+  out->voxels_per_cell = 8;
   out->lod_levels = 4;
   out->lattice_steps = 8;
   out->hull_vertices = 32;

@@ -162,7 +162,7 @@ static uint8_t ambient(const rock_mesher* mesher, const uint32_t size[3], const 
 
 /* Position of a vertex in voxels of the fine grid. */
 static void to_voxels(const voxel_field* fine, const int16_t position[3], float out[3]) {
-  for (uint32_t axis = 0; axis < 3; ++axis) out[axis] = (float)(position[axis] - fine->origin[axis]) / (float)fine->step;
+  for (uint32_t axis = 0; axis < 3; ++axis) out[axis] = ((float)(position[axis] - fine->origin[axis]) + 0.5f) / (float)fine->step;
 }
 
 static void shade(const rock_mesher* mesher, const rock_worker* worker, const voxel_field* fine, mesh_buffer* mesh) {
@@ -233,8 +233,8 @@ static void project(const rock_worker* worker, const voxel_field* fine, const vo
     }
     for (uint32_t axis = 0; axis < 3; ++axis) {
       const int32_t low = coarse->origin[axis] + mesh->cells[v][axis] * coarse->step;
-      const float wanted = floorf(p[axis] * (float)fine->step + (float)fine->origin[axis] + 0.5f);
-      const float least = (float)(low + 1), most = (float)(low + coarse->step - 1);
+      const float wanted = floorf(p[axis] * (float)fine->step + (float)fine->origin[axis]);
+      const float least = (float)low, most = (float)(low + coarse->step - 1);
       mesh->positions[v][axis] = (int16_t)(wanted < least ? least : wanted > most ? most : wanted);
     }
   }

@@ -39,9 +39,11 @@ static uint32_t crossings(const voxel_field* field, const float* at, float sum[3
   return count;
 }
 
+/* Rounds down, so that vertices of neighbouring cubes never coincide and none is off by more than half a step; see surface_nets.h.
+ */
 static int16_t to_lattice(float offset, int32_t origin, uint32_t cube, int32_t step) {
-  int32_t within = (int32_t)floorf(offset * (float)step + 0.5f);
-  within = within < 1 ? 1 : within > step - 1 ? step - 1 : within;
+  int32_t within = (int32_t)floorf(offset * (float)step);
+  within = within < 0 ? 0 : within > step - 1 ? step - 1 : within;
   return (int16_t)(origin + (int32_t)cube * step + within);
 }
 
