@@ -87,21 +87,38 @@ void camera_ray(const camera* c, float x, float y, float aspect, float direction
   for (int a = 0; a < 3; ++a) direction[a] = forward[a] + tangent * (x * aspect * right[a] + y * up[a]);
 }
 
-bool camera_parse(camera* c, const char* text) {
-  float values[7] = {0};
+bool camera_project(const camera* c, const float point[3], float aspect, float* x, float* y) {
+  float forward[3], right[3], up[3], depth = 0, across = 0, above = 0;
+  camera_axes(c, forward, right, up);
+  for (int a = 0; a < 3; ++a) {
+    depth += (point[a] - c->eye[a]) * forward[a];
+    across += (point[a] - c->eye[a]) * right[a];
+    above += (point[a] - c->eye[a]) * up[a];
+  }
+  if (depth <= 1e-4f) return false;
+  const float tangent = tanf(0.5f * c->field_of_view);
+  *x = across / (depth * tangent * aspect);
+  *y = above / (depth * tangent);
+  return true;
+}
+
+bool camera_parse(const char* text, double eye[3], double target[3], double* field_of_view) {
+  double values[7] = {0, 0, 0, 0, 0, 0, 45};
   int count = 0;
   for (;;) {
     char* end;
     if (count == 7) return false;
-    values[count] = strtof(text, &end);
+    values[count] = strtod(text, &end);
     if (end == text || !isfinite(values[count])) return false;
     ++count;
     if (*end == 0) break;
     if (*end != ',') return false;
     text = end + 1;
   }
-  if (count < 6 || (count == 7 && (values[6] < 1 || values[6] > 170))) return false;
-  if (memcmp(values, values + 3, 3 * sizeof(float)) == 0) return false;
-  camera_look(c, values, values + 3, values[6] * DEGREES);
+  if (count < 6 || values[6] < 1 || values[6] > 170) return false;
+  if (memcmp(values, values + 3, 3 * sizeof *values) == 0) return false;
+  memcpy(eye, values, 3 * sizeof *values);
+  memcpy(target, values + 3, 3 * sizeof *values);
+  *field_of_view = values[6];
   return true;
 }

@@ -33,7 +33,11 @@ void camera_frame(camera* c, const float centre[3], float radius, float aspect);
 /* The direction of a pixel, not unit: (x, y) in -1..1 from the left and the bottom, aspect = width / height. */
 void camera_ray(const camera* c, float x, float y, float aspect, float direction[3]);
 
-/* "ex,ey,ez,tx,ty,tz[,fov]" with fov in degrees. Returns false when it is anything else. */
-bool camera_parse(camera* c, const char* text);
+/* The other way round: where a point is seen, false when it is behind the eye. */
+bool camera_project(const camera* c, const float point[3], float aspect, float* x, float* y);
+
+/* "ex,ey,ez,tx,ty,tz[,fov]" with fov in degrees, 1..170; 45 when it is left out. Returns false when it is anything else. In
+ * doubles, for a scene may lie far from the world's origin. */
+bool camera_parse(const char* text, double eye[3], double target[3], double* field_of_view);
 
 #endif

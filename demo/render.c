@@ -16,6 +16,7 @@
 #define SHADOW_SIZE 2048
 #define PIXEL_ERROR 0.6f
 #define SUN_RADIUS 0.016f /* radians; the real one's 0.0047 would look cut with a knife at the size of a stone */
+#define EXPOSURE 0.68f    /* at which sunlit pale stone is bright and not yet white */
 #define SUN_STRENGTH 3.1f /* of the sky's */
 #define KIND_STONE (1u << 8)
 #define KIND_GROUND (2u << 8)
@@ -106,11 +107,13 @@ static void segments_create(render* r) {
   glGenBuffers(1, &r->segment_buffer);
   glBindVertexArray(r->segment_array);
   glBindBuffer(GL_ARRAY_BUFFER, r->segment_buffer);
-  for (GLuint end = 0; end < 2; ++end) {
-    glEnableVertexAttribArray(end);
-    glVertexAttribPointer(end, 3, GL_FLOAT, GL_FALSE, sizeof(render_segment), buffer_offset(end * 3 * sizeof(float)));
-    glVertexAttribDivisor(end, 1);
+  for (GLuint attribute = 0; attribute < 3; ++attribute) {
+    glEnableVertexAttribArray(attribute);
+    glVertexAttribDivisor(attribute, 1);
   }
+  glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(render_segment), buffer_offset(offsetof(render_segment, from)));
+  glVertexAttribPointer(1, 3, GL_FLOAT, GL_FALSE, sizeof(render_segment), buffer_offset(offsetof(render_segment, to)));
+  glVertexAttribPointer(2, 4, GL_UNSIGNED_BYTE, GL_TRUE, sizeof(render_segment), buffer_offset(offsetof(render_segment, colour)));
   glBindVertexArray(0);
 }
 
@@ -350,7 +353,7 @@ static void prepare_camera(render* r, const render_picture* p) {
   f->occlusion[1] = 0.16f * (float)p->height;
   f->occlusion[3] = 1;
   f->air[0] = 1 / (300 + 6 * extent);
-  f->air[1] = p->exposure > 0 ? p->exposure : 1;
+  f->air[1] = EXPOSURE * (p->exposure > 0 ? p->exposure : 1);
   f->mode[0] = (int32_t)p->colour;
 }
 
@@ -373,7 +376,7 @@ static void prepare_sun(render* r, const render_picture* p) {
 
   r->cascade_count = 0;
   if (!p->shadows_off && r->stone_count > 0) {
-    render_cascade_desc desc = {.size = r->shadows.size, .count = RENDER_CASCADES};
+    render_cascade_desc desc = {.size = r->shadows.size, .count = p->draft ? 1 : RENDER_CASCADES};
     memcpy(desc.sun, f->sun, sizeof desc.sun);
     memcpy(desc.eye, f->eye, sizeof desc.eye);
     memcpy(desc.forward, f->forward, sizeof desc.forward);
@@ -404,7 +407,7 @@ static render_view camera_view(const render* r, const render_picture* p) {
   const frame_block* f = &r->frame;
   render_view view = {.plane_count = 5,
                       .pixel = f->eye[3],
-                      .pixel_error = p->pixel_error > 0 ? p->pixel_error : PIXEL_ERROR,
+                      .pixel_error = (p->pixel_error > 0 ? p->pixel_error : PIXEL_ERROR) * (p->draft ? 3 : 1),
                       .lod = p->lod,
                       .tags = KIND_STONE};
   memcpy(view.eye, f->eye, sizeof view.eye);
@@ -422,7 +425,8 @@ static render_view camera_view(const render* r, const render_picture* p) {
 }
 
 static render_view cascade_view(const render* r, const render_picture* p, uint32_t c) {
-  render_view view = {.plane_count = 4, .parallel = true, .pixel = r->cascades[c].texel, .pixel_error = 0.75f, .lod = p->lod};
+  render_view view = {
+      .plane_count = 4, .parallel = true, .pixel = r->cascades[c].texel, .pixel_error = p->draft ? 6.0f : 0.75f, .lod = p->lod};
   render_cascade_planes(&r->cascades[c], view.planes);
   return view;
 }
@@ -501,12 +505,20 @@ static void draw_list(render* r, const render_list* list, uint32_t first_command
   glBindVertexArray(0);
 }
 
+static void draw_solid(const solid* s) {
+  if (s->index_count == 0) return;
+  glBindVertexArray(s->vertex_array);
+  glDrawElements(GL_TRIANGLES, (GLsizei)s->index_count, GL_UNSIGNED_INT, NULL);
+  glBindVertexArray(0);
+}
+
 static void draw_shadows(render* r) {
   glBindFramebuffer(GL_FRAMEBUFFER, r->shadows.frame);
   glViewport(0, 0, (GLsizei)r->shadows.size, (GLsizei)r->shadows.size);
   glEnable(GL_DEPTH_TEST);
   glDepthMask(GL_TRUE);
   glUseProgram(r->programs.caster);
+  glVertexAttrib4f(3, 0, 0, 0, 1); /* the place of what has no instances */
   uint32_t first_command = r->view_list.command_count;
   for (uint32_t c = 0; c < r->cascade_count; ++c) {
     glFramebufferTextureLayer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, r->shadows.texture, 0, (GLint)c);
@@ -515,6 +527,7 @@ static void draw_shadows(render* r) {
     render_cascade_clip(&r->cascades[c], clip);
     glUniformMatrix4fv(r->programs.caster_clip, 1, GL_FALSE, clip);
     draw_list(r, &r->cascade_lists[c], first_command);
+    draw_solid(&r->terrain);
     first_command += r->cascade_lists[c].command_count;
   }
 }
@@ -564,13 +577,6 @@ static void begin_sample(render* r, const render_picture* p, uint32_t sample, ui
   glBindBuffer(GL_UNIFORM_BUFFER, r->frame_buffer);
   glBufferSubData(GL_UNIFORM_BUFFER, 0, sizeof *f, f);
   glBindBufferBase(GL_UNIFORM_BUFFER, 0, r->frame_buffer);
-}
-
-static void draw_solid(const solid* s) {
-  if (s->index_count == 0) return;
-  glBindVertexArray(s->vertex_array);
-  glDrawElements(GL_TRIANGLES, (GLsizei)s->index_count, GL_UNSIGNED_INT, NULL);
-  glBindVertexArray(0);
 }
 
 static void draw_surfaces(render* r, const render_picture* p) {
@@ -660,7 +666,7 @@ static void draw_segments(render* r, const render_picture* p) {
   glBindVertexArray(r->segment_array);
   for (int hidden = 0; hidden < 2; ++hidden) {
     glDepthFunc(hidden ? GL_GREATER : GL_LEQUAL);
-    glUniform4f(r->programs.line_colour, p->segment_colour[0], p->segment_colour[1], p->segment_colour[2], hidden ? 0.28f : 0.95f);
+    glUniform1f(r->programs.line_opacity, hidden ? 0.28f : 0.95f);
     glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, (GLsizei)p->segment_count);
   }
   glBindVertexArray(0);
@@ -674,10 +680,10 @@ static bool same_picture(const render_picture* a, const render_picture* b) {
   return a->width == b->width && a->height == b->height && memcmp(a->eye, b->eye, sizeof a->eye) == 0 &&
          memcmp(a->forward, b->forward, sizeof a->forward) == 0 && memcmp(a->up, b->up, sizeof a->up) == 0 &&
          a->field_of_view == b->field_of_view && a->colour == b->colour && a->lod == b->lod && a->pixel_error == b->pixel_error &&
-         a->wireframe == b->wireframe && a->shadows_off == b->shadows_off && memcmp(a->sun, b->sun, sizeof a->sun) == 0 &&
-         memcmp(a->sun_colour, b->sun_colour, sizeof a->sun_colour) == 0 && memcmp(a->sky, b->sky, sizeof a->sky) == 0 &&
-         memcmp(a->ground_colour, b->ground_colour, sizeof a->ground_colour) == 0 && a->ground == b->ground &&
-         a->ground_height == b->ground_height;
+         a->wireframe == b->wireframe && a->shadows_off == b->shadows_off && a->draft == b->draft &&
+         memcmp(a->sun, b->sun, sizeof a->sun) == 0 && memcmp(a->sun_colour, b->sun_colour, sizeof a->sun_colour) == 0 &&
+         memcmp(a->sky, b->sky, sizeof a->sky) == 0 && memcmp(a->ground_colour, b->ground_colour, sizeof a->ground_colour) == 0 &&
+         a->ground == b->ground && a->ground_height == b->ground_height;
 }
 
 scree_result render_draw(render* r, const render_picture* picture) {

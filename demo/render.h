@@ -59,6 +59,7 @@ typedef enum render_colour { RENDER_COLOUR_STONE = 0, RENDER_COLOUR_LOD = 1, REN
 
 typedef struct render_segment {
   float from[3], to[3];
+  uint8_t colour[4]; /* sRGB and opacity */
 } render_segment;
 
 /* One picture. */
@@ -74,6 +75,7 @@ typedef struct render_picture {
   float pixel_error; /* how far a stone's outline may be off, pixels; 0 = 0.6 */
   bool wireframe;
   bool shadows_off;
+  bool draft;                     /* coarser stones and shadows, for pictures that last for a moment */
   float sun[3];                   /* towards the sun, any length > 0 */
   float sun_colour[3];            /* linear, 0..1 */
   float sky[3];                   /* linear, 0..1: the colour low in the sky; the zenith is bluer, the horizon paler */
@@ -83,8 +85,7 @@ typedef struct render_picture {
   float ground_colour[3];         /* linear, 0..1: the mean colour of plane and terrain */
   const render_segment* segments; /* drawn over the picture, dimmed where something hides them */
   uint32_t segment_count;
-  float segment_colour[3]; /* sRGB, 0..1 */
-  uint32_t decode_budget;  /* meshes to decode at most in this call, for pictures that must not wait; 0 = all that are missing */
+  uint32_t decode_budget; /* meshes to decode at most in this call, for pictures that must not wait; 0 = all that are missing */
 } render_picture;
 
 /* A picture with a sun, a sky and a ground, of one sample, at the levels of detail it needs; size and camera are the caller's. */

@@ -109,7 +109,7 @@ scree_result render_programs_create(render_programs* programs, scree_error* erro
   programs->solid_tags = glGetUniformLocation(programs->solid, "solid_tags");
   programs->caster_clip = glGetUniformLocation(programs->caster, "clip_from_world_caster");
   programs->line_half_width = glGetUniformLocation(programs->line, "half_width");
-  programs->line_colour = glGetUniformLocation(programs->line, "colour");
+  programs->line_opacity = glGetUniformLocation(programs->line, "opacity");
   return SCREE_OK;
 }
 

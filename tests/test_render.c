@@ -61,8 +61,12 @@ static void stage_close(stage* s) {
 }
 
 static render_picture picture_from(const char* text) {
+  double eye[3], target[3], field_of_view;
+  assert_true(camera_parse(text, eye, target, &field_of_view));
   camera c = {.yaw = 0};
-  assert_true(camera_parse(&c, text));
+  const float from[3] = {(float)eye[0], (float)eye[1], (float)eye[2]},
+              to[3] = {(float)target[0], (float)target[1], (float)target[2]};
+  camera_look(&c, from, to, (float)field_of_view * 0.017453293f);
   render_picture p;
   render_picture_init(&p);
   p.width = WIDTH;
@@ -332,10 +336,10 @@ static void segments_are_seen_through_stones_but_dimmed(void** state) {
   stage_open(&s, false);
   render_picture p = heap_picture();
   uint8_t* bare = draw(s.renderer, &p);
-  const render_segment segment = {{-3, 0.6f, 0}, {3, 0.6f, 0}}; /* through the middle of the heap and out at both ends */
+  const render_segment segment = {
+      {-3, 0.6f, 0}, {3, 0.6f, 0}, {255, 0, 0, 255}}; /* through the middle of the heap and out at both ends */
   p.segments = &segment;
   p.segment_count = 1;
-  p.segment_colour[0] = 1;
   uint8_t* with = draw(s.renderer, &p);
   uint32_t strong = 0, weak = 0;
   for (uint32_t i = 0; i < WIDTH * HEIGHT; ++i) {
@@ -454,16 +458,13 @@ static void camera_text_is_six_or_seven_numbers(void** state) {
                                     "1,2,3,4,5,6,50,1",
                                     "1,2,3,4,5,nan",
                                     "1 2 3 4 5 6"};
-  camera c = {.yaw = 0};
-  for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) assert_false(camera_parse(&c, bad[i]));
-  assert_true(camera_parse(&c, "1,2,3,4,5,6"));
-  float target[3];
-  camera_target(&c, target);
-  assert_float_equal(target[0], 4, 1e-4);
-  assert_float_equal(target[1], 5, 1e-4);
-  assert_float_equal(target[2], 6, 1e-4);
-  assert_true(camera_parse(&c, "-1.5,2e1,3,4,5,6,60"));
-  assert_float_equal(c.field_of_view, 1.0471976, 1e-5);
+  double eye[3], target[3], field_of_view;
+  for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) assert_false(camera_parse(bad[i], eye, target, &field_of_view));
+  assert_true(camera_parse("-1.5,2e1,6371000.25,4,5,6", eye, target, &field_of_view));
+  assert_true(eye[0] == -1.5 && eye[1] == 20 && eye[2] == 6371000.25 && target[0] == 4 && target[1] == 5 && target[2] == 6);
+  assert_true(field_of_view == 45);
+  assert_true(camera_parse("1,2,3,4,5,6,60", eye, target, &field_of_view));
+  assert_true(field_of_view == 60);
 }
 
 static void orbiting_keeps_the_target_and_flying_keeps_the_eye(void** state) {

@@ -18,12 +18,12 @@ Surface ground_surface(vec3 point, vec3 normal, float unit, float pixel) {
   broad.x *= near;
   wide.x *= near;
 
-  vec3 mean = 0.80 * ground_colour.rgb;
-  vec3 earth = mean * mix(vec3(1.34, 1.26, 1.28), vec3(0.92, 0.86, 0.84), smoothstep(-0.40, 0.40, broad.x + 0.5 * medium.x));
+  vec3 mean = 0.86 * ground_colour.rgb;
+  vec3 earth = mean * mix(vec3(1.16, 1.10, 1.12), vec3(0.88, 0.84, 0.82), smoothstep(-0.40, 0.40, broad.x + 0.6 * medium.x + 0.5 * fine.x));
   float grass = smoothstep(-0.05, 0.45, 0.7 * wide.x + 0.7 * broad.x + 0.30 * medium.x + 0.35 * fine.x + 0.25 * sand.x);
-  vec3 green = mean * mix(vec3(0.66, 0.84, 0.50), vec3(1.00, 1.08, 0.78), clamp(0.5 + 0.8 * fine.x + 0.9 * sand.x, 0.0, 1.0));
+  vec3 green = mean * mix(vec3(0.58, 0.70, 0.44), vec3(0.92, 0.98, 0.72), clamp(0.5 + 0.8 * fine.x + 0.9 * sand.x, 0.0, 1.0));
   vec3 albedo = mix(earth, green, 0.75 * grass);
-  albedo *= 1.0 + 0.10 * medium.x + 0.18 * fine.x + 0.30 * sand.x + 0.20 * grain.w;
+  albedo *= 1.0 + 0.10 * medium.x + 0.24 * fine.x + 0.40 * sand.x + 0.30 * grain.w;
 
   Surface result;
   slope -= normal * dot(slope, normal);

@@ -60,7 +60,17 @@ void main() {
   else
     surface = ground_surface(point, normal, ground.z, pixel);
 
-  float open = texelFetch(occlusion_map, texel, 0).r;
+  // The pattern of the taps goes with a mean over the neighbours on the same surface: the noise is made for three by three.
+  float open = 0.0, total = 0.0;
+  for (int v = -1; v <= 1; ++v)
+    for (int u = -1; u <= 1; ++u) {
+      ivec2 at = clamp(texel + ivec2(u, v), ivec2(0), ivec2(size.xy) - 1);
+      float near = texelFetch(depth_map, at, 0).r;
+      float weight = abs(near - depth) < 0.02 * depth + 4.0 * pixel ? 1.0 : 0.0;
+      open += weight * texelFetch(occlusion_map, at, 0).r;
+      total += weight;
+    }
+  open /= max(total, 1.0);
   open = mix(1.0, open, occlusion.w);
   float baked = kind == KIND_STONE ? seen.w : 1.0;
   open = pow(open, 1.35); // what lies beyond the search hides some sky, too

@@ -1,8 +1,9 @@
 in float v_across;
+flat in vec4 v_colour;
 
 uniform float half_width;
-uniform vec4 colour;
+uniform float opacity;
 
 out vec4 shown;
 
-void main() { shown = vec4(colour.rgb, colour.a * clamp(half_width - abs(v_across), 0.0, 1.0)); }
+void main() { shown = vec4(v_colour.rgb, v_colour.a * opacity * clamp(half_width - abs(v_across), 0.0, 1.0)); }

@@ -1,0 +1,419 @@
+#include "panel.h"
+
+#include <GLFW/glfw3.h>
+#include <backends/imgui_impl_glfw.h>
+#include <backends/imgui_impl_opengl3.h>
+#include <dirent.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <new>
+#include <string>
+#include <vector>
+
+#include "file.h"
+#include "stage.h"
+#include "view_options.h"
+
+struct panel {
+  ImGuiContext* context;
+  bool edited;  // since the last committed step
+  std::vector<std::string> packs;
+  double packs_read;  // time of the last look into the folder
+};
+
+namespace {
+
+const char* const kFont = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
+
+void style() {
+  ImGuiStyle& s = ImGui::GetStyle();
+  ImGui::StyleColorsDark(&s);
+  s.WindowRounding = 6;
+  s.FrameRounding = 4;
+  s.GrabRounding = 4;
+  s.WindowBorderSize = 0;
+  s.Colors[ImGuiCol_WindowBg] = ImVec4(0.09f, 0.10f, 0.11f, 0.90f);
+  s.Colors[ImGuiCol_TitleBgActive] = ImVec4(0.20f, 0.22f, 0.24f, 1.0f);
+  const ImVec4 warm(0.70f, 0.52f, 0.24f, 1.0f);
+  s.Colors[ImGuiCol_CheckMark] = s.Colors[ImGuiCol_SliderGrab] = s.Colors[ImGuiCol_SliderGrabActive] = warm;
+  s.Colors[ImGuiCol_Header] = ImVec4(0.42f, 0.33f, 0.18f, 0.75f);
+  s.Colors[ImGuiCol_HeaderHovered] = ImVec4(0.48f, 0.38f, 0.22f, 0.85f);
+  s.Colors[ImGuiCol_HeaderActive] = warm;
+  s.Colors[ImGuiCol_Button] = ImVec4(0.24f, 0.26f, 0.28f, 1.0f);
+  s.Colors[ImGuiCol_ButtonHovered] = ImVec4(0.36f, 0.33f, 0.27f, 1.0f);
+  s.Colors[ImGuiCol_ButtonActive] = warm;
+  s.Colors[ImGuiCol_FrameBg] = ImVec4(0.18f, 0.19f, 0.21f, 1.0f);
+}
+
+// Names of the packs in the folder, without their ending.
+void read_packs(panel* p, const char* folder) {
+  p->packs.clear();
+  DIR* directory = opendir(folder);
+  if (directory == nullptr) return;
+  while (const dirent* entry = readdir(directory)) {
+    std::string name = entry->d_name;
+    if (name.size() > 6 && name.compare(name.size() - 6, 6, ".scree") == 0) p->packs.push_back(name.substr(0, name.size() - 6));
+  }
+  closedir(directory);
+  std::sort(p->packs.begin(), p->packs.end());
+}
+
+bool drag(const char* label, double* value, double speed, double low, double high, const char* format = "%.3f") {
+  return ImGui::DragScalar(label, ImGuiDataType_Double, value, static_cast<float>(speed), &low, &high, format,
+                           ImGuiSliderFlags_AlwaysClamp);
+}
+
+bool drag3(const char* label, double* values, double speed, const char* format = "%.2f") {
+  return ImGui::DragScalarN(label, ImGuiDataType_Double, values, 3, static_cast<float>(speed), nullptr, nullptr, format);
+}
+
+const double kSmall = 1e-3, kLarge = 1e4;
+
+bool shape_widgets(scene_node* node) {
+  bool changed = false;
+  switch (node->kind) {
+    case SCREE_SHAPE_SPHERE: changed |= drag("radius", &node->sphere.radius, 0.02, kSmall, kLarge); break;
+    case SCREE_SHAPE_BOX: {
+      changed |= drag3("half", node->box.half, 0.02);
+      double smallest = kLarge;
+      for (double& half : node->box.half) {
+        half = std::clamp(half, kSmall, kLarge);
+        smallest = std::min(smallest, half);
+      }
+      changed |= drag("rounding", &node->box.rounding, 0.01, 0, smallest);
+      node->box.rounding = std::min(node->box.rounding, smallest);
+      break;
+    }
+    case SCREE_SHAPE_CAPSULE:
+      changed |= drag3("from", node->capsule.a, 0.02);
+      changed |= drag3("to", node->capsule.b, 0.02);
+      changed |= drag("radius", &node->capsule.radius, 0.02, kSmall, kLarge);
+      break;
+    case SCREE_SHAPE_CYLINDER:
+      changed |= drag("radius", &node->cylinder.radius, 0.02, kSmall, kLarge);
+      changed |= drag("half height", &node->cylinder.half_height, 0.02, kSmall, kLarge);
+      break;
+    case SCREE_SHAPE_CONE:
+      changed |= drag("radius", &node->cone.radius, 0.02, kSmall, kLarge);
+      changed |= drag("height", &node->cone.height, 0.02, kSmall, kLarge);
+      break;
+    case SCREE_SHAPE_HEIGHTFIELD:
+      ImGui::TextDisabled("%s", node->heightfield.map.file);
+      changed |= drag("above", &node->heightfield.above, 0.02, -kLarge, kLarge);
+      changed |= drag("below", &node->heightfield.below, 0.02, -node->heightfield.above + kSmall, kLarge);
+      break;
+    case SCREE_SHAPE_MESH: ImGui::TextDisabled("%s", node->mesh.file); break;
+    case SCREE_SHAPE_SMOOTH_UNION: changed |= drag("blend", &node->group.blend, 0.01, kSmall, kLarge); break;
+    default: break;
+  }
+  return changed;
+}
+
+void tree(editor* e, scene_node* node, int depth, int* number) {
+  ImGui::PushID((*number)++);
+  ImGui::Indent(static_cast<float>(depth) * 12.0f + 0.01f);
+  std::string label = scene_kind_name(node->kind);
+  if (node->name[0] != 0) label = std::string(node->name) + "  (" + label + ")";
+  if (ImGui::Selectable(label.c_str(), e->node == node)) e->node = node;
+  ImGui::Unindent(static_cast<float>(depth) * 12.0f + 0.01f);
+  ImGui::PopID();
+  for (uint32_t i = 0; i < node->child_count; ++i) tree(e, node->children[i], depth + 1, number);
+}
+
+void pack_widgets(panel* p, const panel_view* v, scene_field* field, bool* changed) {
+  if (ImGui::GetTime() - p->packs_read > 2 || p->packs_read <= 0) {
+    read_packs(p, v->packs);
+    p->packs_read = ImGui::GetTime();
+  }
+  if (ImGui::BeginCombo("pack", field->pack)) {
+    for (const std::string& name : p->packs)
+      if (ImGui::Selectable(name.c_str(), name == field->pack) && name.size() < sizeof field->pack && name != field->pack) {
+        std::memcpy(field->pack, name.c_str(), name.size() + 1);
+        *changed = true;
+      }
+    if (p->packs.empty()) ImGui::TextDisabled("no *.scree in %s", v->packs);
+    ImGui::EndCombo();
+  }
+}
+
+void field_widgets(panel* p, panel_view* v) {
+  editor* e = v->edit;
+  scene_model* scene = e->scene;
+  for (uint32_t i = 0; i < scene->field_count; ++i) {
+    char label[SCENE_NAME_SIZE + SCENE_FILE_SIZE + 64];
+    const scene_field* f = &scene->fields[i];
+    std::snprintf(label, sizeof label, "%s  %u stones of %s##%u", f->name[0] != 0 ? f->name : "field", v->stone_counts[i], f->pack,
+                  i);
+    if (ImGui::Selectable(label, e->field == i) && e->field != i) {
+      e->field = i;
+      e->node = nullptr;
+    }
+  }
+  if (e->field >= scene->field_count) return;
+  scene_field* field = &scene->fields[e->field];
+  bool changed = false;
+  pack_widgets(p, v, field, &changed);
+  static const uint64_t step = 1, seed_most = UINT64_C(1) << 53;
+  if (ImGui::InputScalar("seed", ImGuiDataType_U64, &field->seed, &step)) {
+    field->seed = std::min(field->seed, seed_most);
+    changed = true;
+  }
+  changed |= drag("cell size", &field->cell_size, 0.002, 0.01, 1000, "%.3f m");
+  if (changed) {
+    edit_touch(e, STAGE_PACK);
+    p->edited = true;
+  }
+  bool shape = drag("threshold", &field->threshold, 0.002, 0.01, 0.99);
+  shape |= ImGui::Checkbox("leave out what nobody sees", &field->shell);
+  if (shape) {
+    edit_touch(e, STAGE_SUPPORT);
+    p->edited = true;
+  }
+  if (!ImGui::TreeNode("colours")) return;
+  bool painted = false;
+  for (uint32_t i = 0; i < field->palette.colour_count; ++i) {
+    ImGui::PushID(static_cast<int>(i));
+    painted |= ImGui::ColorEdit3("##base", field->palette.colours[i]);
+    ImGui::PopID();
+  }
+  if (field->palette.colour_count < SCENE_PALETTE_MAX && ImGui::SmallButton("one more")) {
+    std::memcpy(field->palette.colours[field->palette.colour_count], field->palette.colours[0], sizeof field->palette.colours[0]);
+    ++field->palette.colour_count;
+    painted = true;
+  }
+  ImGui::SameLine();
+  if (field->palette.colour_count > 1 && ImGui::SmallButton("one less")) {
+    --field->palette.colour_count;
+    painted = true;
+  }
+  painted |= drag("variation", &field->palette.variation, 0.005, 0, 1);
+  if (painted) {
+    edit_touch(e, STAGE_PALETTE);
+    p->edited = true;
+  }
+  ImGui::TreePop();
+}
+
+void support_widgets(panel* p, panel_view* v) {
+  editor* e = v->edit;
+  if (e->field >= e->scene->field_count) return;
+  scene_node* root = e->scene->fields[e->field].support;
+  int number = 0;
+  if (root != nullptr) tree(e, root, 0, &number);
+  ImGui::TextDisabled("add");
+  static const struct {
+    const char* name;
+    scree_shape_kind kind;
+  } kinds[] = {{"sphere", SCREE_SHAPE_SPHERE},
+               {"box", SCREE_SHAPE_BOX},
+               {"capsule", SCREE_SHAPE_CAPSULE},
+               {"cylinder", SCREE_SHAPE_CYLINDER},
+               {"cone", SCREE_SHAPE_CONE}};
+  for (const auto& kind : kinds) {
+    ImGui::SameLine();
+    if (ImGui::SmallButton(kind.name)) p->edited |= edit_add(e, kind.kind, v->place, v->size);
+  }
+  if (e->node == nullptr) {
+    ImGui::TextDisabled("select a support here or in the picture");
+    return;
+  }
+  if (ImGui::Button("Duplicate")) p->edited |= edit_duplicate(e);
+  ImGui::SameLine();
+  if (ImGui::Button("Delete") && edit_delete(e)) {
+    p->edited = true;
+    return;
+  }
+  scene_node* node = e->node;
+  bool changed = false;
+  if (ImGui::InputText("name", node->name, sizeof node->name)) {
+    e->unsaved = true;
+    p->edited = true;
+  }
+  changed |= drag3("position", node->position, 0.02);
+  changed |= drag3("rotation", node->rotation, 0.5, "%.1f");
+  changed |= drag("scale", &node->scale, 0.005, kSmall, 1000);
+  changed |= shape_widgets(node);
+  if (changed) {
+    edit_touch(e, STAGE_SUPPORT);
+    p->edited = true;
+  }
+}
+
+void light_widgets(panel* p, panel_view* v) {
+  scene_model* scene = v->edit->scene;
+  double* d = scene->sun.direction;
+  const double degrees = 57.29577951308232, flat = std::hypot(d[0], d[2]);
+  float azimuth = static_cast<float>(std::atan2(d[0], d[2]) * degrees),
+        elevation = static_cast<float>(std::atan2(d[1], flat) * degrees);
+  bool turned = ImGui::SliderFloat("sun azimuth", &azimuth, -180, 180, "%.0f");
+  turned |= ImGui::SliderFloat("sun height", &elevation, 3, 89, "%.0f");
+  if (turned) {
+    const double a = static_cast<double>(azimuth) / degrees, h = static_cast<double>(elevation) / degrees;
+    d[0] = std::sin(a) * std::cos(h);
+    d[1] = std::sin(h);
+    d[2] = std::cos(a) * std::cos(h);
+  }
+  bool changed = turned;
+  changed |= ImGui::ColorEdit3("sun", scene->sun.colour);
+  changed |= ImGui::ColorEdit3("sky", scene->sky);
+  changed |= ImGui::ColorEdit3("ground", scene->ground.colour);
+  if (scene->ground.kind == SCENE_GROUND_PLANE) changed |= drag("ground height", &scene->ground.height, 0.02, -kLarge, kLarge);
+  if (changed) v->edit->unsaved = p->edited = true;
+}
+
+void main_window(panel* p, panel_view* v, panel_wishes* wishes) {
+  const ImGuiViewport* viewport = ImGui::GetMainViewport();
+  const float width = 340;
+  ImGui::SetNextWindowPos(ImVec2(viewport->WorkPos.x + viewport->WorkSize.x - width - 10, viewport->WorkPos.y + 10),
+                          ImGuiCond_Once);
+  ImGui::SetNextWindowSize(ImVec2(width, viewport->WorkSize.y - 20), ImGuiCond_Once);
+  char title[SCENE_NAME_SIZE + 32];
+  std::snprintf(title, sizeof title, "%s%s###scene", v->edit->scene->name[0] != 0 ? v->edit->scene->name : "Scene",
+                v->edit->unsaved ? " *" : "");
+  if (ImGui::Begin(title, &v->panel)) {
+    ImGui::PushItemWidth(-110);
+    if (ImGui::Button("Save")) wishes->save = true;
+    ImGui::SameLine();
+    if (ImGui::Button("Undo")) wishes->undo = true;
+    ImGui::SameLine();
+    if (ImGui::Button("Redo")) wishes->redo = true;
+    ImGui::SameLine();
+    if (ImGui::Button("Picture")) wishes->picture = true;
+    ImGui::SameLine();
+    if (ImGui::Button("Home")) wishes->home = true;
+    int colour = v->colour;
+    static const char* const words[] = {"stone", "level of detail", "tile code"};
+    if (ImGui::Combo("colour", &colour, words, 3)) v->colour = static_cast<render_colour>(colour);
+    ImGui::Checkbox("wireframe", &v->wireframe);
+    ImGui::SameLine();
+    ImGui::Checkbox("fly", &v->flying);
+    ImGui::SameLine();
+    ImGui::Checkbox("figures", &v->figures);
+    if (ImGui::CollapsingHeader("Fields", ImGuiTreeNodeFlags_DefaultOpen)) field_widgets(p, v);
+    if (ImGui::CollapsingHeader("Supports", ImGuiTreeNodeFlags_DefaultOpen)) support_widgets(p, v);
+    if (ImGui::CollapsingHeader("Light and ground")) light_widgets(p, v);
+    ImGui::PopItemWidth();
+  }
+  ImGui::End();
+}
+
+const ImGuiWindowFlags kPlain = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize |
+                                ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav |
+                                ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoInputs;
+
+void figures_window(const panel_view* v) {
+  const ImGuiViewport* viewport = ImGui::GetMainViewport();
+  ImGui::SetNextWindowPos(ImVec2(viewport->WorkPos.x + 10, viewport->WorkPos.y + 10));
+  ImGui::SetNextWindowBgAlpha(0.62f);
+  if (ImGui::Begin("##figures", nullptr, kPlain)) {
+    const render_stats& s = v->stats;
+    ImGui::Text("%u stones, %u in view", s.stones, s.stones_drawn);
+    ImGui::Text("%.2f M triangles, %.2f M for shadows", static_cast<double>(s.triangles) * 1e-6,
+                static_cast<double>(s.shadow_triangles) * 1e-6);
+    ImGui::Text("%u meshes drawn, %u held (%.1f MB)%s", s.draws, s.meshes, static_cast<double>(s.mesh_bytes) * 1e-6,
+                s.indirect ? "" : ", OpenGL 3.3 path");
+    if (s.meshes_missing > 0) ImGui::Text("%u meshes to decode", s.meshes_missing);
+    ImGui::Text("frame %.1f ms, query %.1f ms, %u samples", v->frame_seconds * 1e3, v->query_seconds * 1e3, s.samples);
+    ImGui::TextDisabled("F1 help, Tab panel");
+  }
+  ImGui::End();
+}
+
+void help_window(panel_view* v) {
+  const ImGuiViewport* viewport = ImGui::GetMainViewport();
+  ImGui::SetNextWindowPos(
+      ImVec2(viewport->WorkPos.x + viewport->WorkSize.x * 0.5f, viewport->WorkPos.y + viewport->WorkSize.y * 0.5f),
+      ImGuiCond_Always, ImVec2(0.5f, 0.5f));
+  if (ImGui::Begin("Keys", &v->help,
+                   ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoCollapse |
+                       ImGuiWindowFlags_AlwaysAutoResize)) {
+    // Two columns by position: the words of view_keys are aligned with blanks, which a proportional font does not keep.
+    for (const char* line = view_keys; *line != 0;) {
+      const std::string text(line, std::strcspn(line, "\n"));
+      const size_t gap = text.find("  ", 2);
+      ImGui::TextUnformatted(text.substr(0, gap).c_str());
+      if (gap != std::string::npos) {
+        ImGui::SameLine(150);
+        ImGui::TextUnformatted(text.substr(text.find_first_not_of(' ', gap)).c_str());
+      }
+      line += text.size() + 1;
+    }
+  }
+  ImGui::End();
+}
+
+void message_window(const panel_view* v) {
+  const ImGuiViewport* viewport = ImGui::GetMainViewport();
+  ImGui::SetNextWindowPos(ImVec2(viewport->WorkPos.x + 10, viewport->WorkPos.y + viewport->WorkSize.y - 10), ImGuiCond_Always,
+                          ImVec2(0, 1));
+  ImGui::SetNextWindowBgAlpha(0.75f);
+  if (ImGui::Begin("##message", nullptr, kPlain)) {
+    if (v->message_is_error)
+      ImGui::TextColored(ImVec4(1.0f, 0.55f, 0.40f, 1.0f), "%s", v->message);
+    else
+      ImGui::TextUnformatted(v->message);
+  }
+  ImGui::End();
+}
+
+}  // namespace
+
+panel* panel_create(GLFWwindow* window) {
+  panel* p = new (std::nothrow) panel();
+  if (p == nullptr) return nullptr;
+  p->context = ImGui::CreateContext();
+  ImGuiIO& io = ImGui::GetIO();
+  io.IniFilename = nullptr;  // leaves no file behind
+  float scale_x = 1, scale_y = 1;
+  glfwGetWindowContentScale(window, &scale_x, &scale_y);
+  if (file_exists(kFont)) io.Fonts->AddFontFromFileTTF(kFont, std::floor(14 * scale_x));
+  style();
+  ImGui::GetStyle().ScaleAllSizes(scale_x);
+  ImGui_ImplGlfw_InitForOpenGL(window, true);
+  ImGui_ImplOpenGL3_Init("#version 330 core");
+  // A first, empty frame: the questions below may be asked before the first picture.
+  ImGui_ImplOpenGL3_NewFrame();
+  ImGui_ImplGlfw_NewFrame();
+  ImGui::NewFrame();
+  ImGui::EndFrame();
+  return p;
+}
+
+void panel_destroy(panel* p) {
+  if (p == nullptr) return;
+  ImGui_ImplOpenGL3_Shutdown();
+  ImGui_ImplGlfw_Shutdown();
+  ImGui::DestroyContext(p->context);
+  delete p;
+}
+
+bool panel_wants_pointer(const panel*) {
+  return ImGui::GetIO().WantCaptureMouse;
+}
+bool panel_wants_keys(const panel*) {
+  return ImGui::GetIO().WantTextInput;
+}
+bool panel_is_busy(const panel*) {
+  return ImGui::IsAnyItemActive();
+}
+
+void panel_draw(panel* p, panel_view* view, panel_wishes* wishes) {
+  *wishes = {};
+  ImGui_ImplOpenGL3_NewFrame();
+  ImGui_ImplGlfw_NewFrame();
+  ImGui::NewFrame();
+  if (view->panel) main_window(p, view, wishes);
+  if (view->figures) figures_window(view);
+  if (view->help) help_window(view);
+  if (view->message[0] != 0) message_window(view);
+  if (p->edited && !ImGui::IsAnyItemActive()) {
+    edit_commit(view->edit);
+    p->edited = false;
+  }
+  ImGui::Render();
+  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+}

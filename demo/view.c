@@ -1,0 +1,105 @@
+/* scree-view: a scene in a window, or as one picture without a display. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "headless.h"
+#include "stage.h"
+#include "timer.h"
+#include "view_options.h"
+#include "window.h"
+#include "workers.h"
+
+static int fail(scree_result result, const char* message) {
+  fprintf(stderr, "scree-view: %s\n", message[0] != 0 ? message : scree_result_string(result));
+  return result == SCREE_ERROR_OUT_OF_MEMORY || result == SCREE_ERROR_UNSUPPORTED ? 1 : 2;
+}
+
+/* Writes the picture; the renderer's context is current. */
+static int take_picture(const view_options* options, const scene_model* scene, render* r) {
+  scree_error error = {""};
+  const stage_desc desc = {.renderer = r, .scene = scene, .paths = options->paths, .jobs = workers_jobs(0)};
+  double start = timer_seconds();
+  stage* s;
+  scree_result result = stage_create(&desc, &s, &error);
+  if (result != SCREE_OK) return fail(result, error.message);
+  double ready = timer_seconds();
+
+  render_picture picture;
+  render_picture_init(&picture);
+  stage_light(s, &picture);
+  camera eye;
+  if (options->has_camera)
+    stage_camera(s, options->eye, options->target, options->field_of_view, &eye);
+  else
+    stage_camera(s, scene->camera.eye, scene->camera.target, scene->camera.fov, &eye);
+  memcpy(picture.eye, eye.eye, sizeof picture.eye);
+  float right[3];
+  camera_axes(&eye, picture.forward, right, picture.up);
+  picture.field_of_view = eye.field_of_view;
+  picture.width = options->width;
+  picture.height = options->height;
+  picture.samples = options->samples > 0 ? options->samples : 8;
+  picture.lod = options->lod;
+  picture.colour = options->colour;
+  picture.wireframe = options->wireframe;
+  picture.pixel_error = options->pixel_error;
+
+  uint8_t* rgb = malloc((size_t)picture.width * picture.height * 3);
+  result = rgb == NULL ? SCREE_ERROR_OUT_OF_MEMORY : render_draw(r, &picture);
+  int status;
+  if (result != SCREE_OK) {
+    status = fail(result, "");
+  } else {
+    render_read(r, rgb);
+    double drawn = timer_seconds();
+    result = picture_write(options->screenshot, picture.width, picture.height, rgb, &error);
+    status = result == SCREE_OK ? 0 : (fail(result, error.message), 1);
+    render_stats stats;
+    render_get_stats(r, &stats);
+    FILE* log = view_log_open(options);
+    if (log != NULL)
+      fprintf(log,
+              "picture instances=%u drawn=%u draws=%u triangles=%llu shadow_triangles=%llu meshes=%u mesh_megabytes=%.1f "
+              "samples=%u query_seconds=%.3f draw_seconds=%.3f indirect=%d\n",
+              stats.stones, stats.stones_drawn, stats.draws, (unsigned long long)stats.triangles,
+              (unsigned long long)stats.shadow_triangles, stats.meshes, (double)stats.mesh_bytes * 1e-6, stats.samples,
+              ready - start, drawn - ready, stats.indirect);
+    view_log_close(log);
+  }
+  free(rgb);
+  stage_destroy(s);
+  return status;
+}
+
+static int run_headless(const view_options* options, const scene_model* scene) {
+  scree_error error = {""};
+  headless* context;
+  scree_result result = headless_create(&context, &error);
+  if (result != SCREE_OK) return fail(result, error.message);
+  const render_desc desc = {.no_indirect = options->no_indirect, .jobs = workers_jobs(0)};
+  render* r;
+  int status;
+  result = render_create(&desc, &r, &error);
+  if (result != SCREE_OK) {
+    status = fail(result, error.message);
+  } else {
+    status = take_picture(options, scene, r);
+    render_destroy(r);
+  }
+  headless_destroy(context);
+  return status;
+}
+
+int main(int count, char** arguments) {
+  view_options options;
+  int status = view_options_parse(count, arguments, &options);
+  if (status >= 0) return status;
+  scene_model scene;
+  scree_error error = {""};
+  scree_result result = scene_load(options.paths.scene, &scene, &error);
+  if (result != SCREE_OK) return fail(result, error.message);
+  status = options.headless ? run_headless(&options, &scene) : window_run(&options, &scene);
+  scene_destroy(&scene);
+  return status;
+}
