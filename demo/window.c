@@ -442,7 +442,8 @@ static void draw_scene(viewer* v, uint32_t width, uint32_t height) {
   p->height = height / coarse > 0 ? height / coarse : 1;
   p->samples = 1;
   p->draft = moving && v->coarseness > 1;
-  p->samples_most = moving ? 1 : SAMPLES_STILL;
+  const uint32_t enough = v->options->samples > 0 ? v->options->samples : SAMPLES_STILL;
+  p->samples_most = moving ? 1 : enough;
   p->decode_budget = DECODE_MOVING;
 
   outline_clear(&v->outline);
@@ -460,7 +461,9 @@ static void draw_scene(viewer* v, uint32_t width, uint32_t height) {
   const double seconds = timer_seconds() - now;
   render_get_stats(v->renderer, &v->view.stats);
   v->view.frame_seconds = seconds;
-  v->still = !moving && v->view.stats.samples >= SAMPLES_STILL && v->view.stats.meshes_missing == 0;
+  const bool was_still = v->still;
+  v->still = !moving && v->view.stats.samples >= enough && v->view.stats.meshes_missing == 0;
+  if (v->still && !was_still && v->log != NULL) fprintf(v->log, "still samples=%u\n", v->view.stats.samples), fflush(v->log);
   if (!moving) return;
   /* As fine as the machine can keep up with. */
   if (seconds > 0.07 && v->coarseness < COARSEST)
