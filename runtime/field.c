@@ -42,29 +42,17 @@ static uint32_t tile_cell(const field_source* s, uint32_t code, uint32_t x, uint
   return s->tile_cells[((code * n + z) * n + y) * n + x];
 }
 
-/* Splits the cells of a cube into 8 blocks, the first half of an axis the larger one. */
-static void place_blocks(scree_field* field) {
-  uint8_t n = (uint8_t)field->cells_per_cube, half = (uint8_t)((n + 1) / 2);
-  for (uint32_t b = 0; b < FIELD_BLOCKS; ++b)
-    for (uint32_t a = 0; a < 3; ++a) {
-      bool upper = b >> a & 1;
-      field->blocks[b].low[a] = upper ? half : 0;
-      field->blocks[b].high[a] = upper ? n : half;
-    }
-}
-
 /* Counts the slots of every tile and lays out their arrays. */
 static void place_tiles(scree_field* field, const field_source* s) {
-  uint32_t offset = 0;
+  uint32_t octets = 0;
   for (uint32_t code = 0; code < 256; ++code) {
     field_tile* tile = &field->tiles[code];
     uint32_t count = 0;
     for (uint32_t b = 0; b < FIELD_BLOCKS; ++b) {
-      const field_block* block = &field->blocks[b];
       tile->block_first[b] = (uint16_t)count;
-      for (uint32_t z = block->low[2]; z < block->high[2]; ++z)
-        for (uint32_t y = block->low[1]; y < block->high[1]; ++y)
-          for (uint32_t x = block->low[0]; x < block->high[0]; ++x) {
+      for (uint32_t z = block_low(field, b, 2); z < block_high(field, b, 2); ++z)
+        for (uint32_t y = block_low(field, b, 1); y < block_high(field, b, 1); ++y)
+          for (uint32_t x = block_low(field, b, 0); x < block_high(field, b, 0); ++x) {
             uint32_t cell = tile_cell(s, code, x, y, z);
             count += s->cell_first[cell + 1] - s->cell_first[cell];
           }
@@ -72,55 +60,69 @@ static void place_tiles(scree_field* field, const field_source* s) {
     tile->block_first[FIELD_BLOCKS] = (uint16_t)count;
     tile->padded = (count + 2 * (FIELD_OCTET - 1)) / FIELD_OCTET * FIELD_OCTET;
     if (tile->padded == 0) tile->padded = FIELD_OCTET;
-    tile->offset = offset;
-    offset += tile->padded / FIELD_OCTET;
+    tile->rocks = octets;
+    octets += tile->padded / FIELD_OCTET;
     field->uniform_count = code == 0 || field->uniform_count == count ? count : 0;
   }
-  field->slot_bytes = (size_t)offset * (32 * FIELD_OCTET);
+  field->rock_bytes = (size_t)octets * (16 * FIELD_OCTET);
+  field->layout_bytes = (size_t)octets * (8 * FIELD_OCTET);
+  field->mean_radius_count = (size_t)octets * FIELD_OCTET;
 }
 
 static void fill_slot(scree_field* field, const field_tile* tile, uint32_t slot, const field_rock* rock, uint32_t asset,
                       const uint32_t cell[3]) {
-  double h = field->cell_size;
-  size_t n = tile->padded;
-  uint8_t* base = field->slots + (size_t)tile->offset * (32 * FIELD_OCTET);
-  float* floats = (float*)(void*)base;
-  uint32_t* words = (uint32_t*)(void*)base;
-  uint32_t cells = field->cells_per_cube;
-  float mean = (float)(0.5 * ((double)rock->inner_radius + (double)rock->outer_radius) * h);
-  double reach2 = 0;
-  for (int a = 0; a < 3; ++a) {
+  double h = field->cell_size, reach2 = 0;
+  uint8_t* rocks = field->rocks + (size_t)tile->rocks * (16 * FIELD_OCTET);
+  uint8_t* layout = field->layouts + (size_t)tile->layout * (8 * FIELD_OCTET);
+  uint32_t n = tile->padded, cells = field->cells_per_cube;
+  for (uint32_t a = 0; a < 3; ++a) {
     float v = (float)((double)rock->centroid[a] * h);
-    floats[a * n + slot] = v;
-    base[24 * n + a * n + slot] = (uint8_t)cell[a];
+    ((float*)(void*)rocks)[a * n + slot] = v;
+    layout[(4 + a) * n + slot] = (uint8_t)cell[a];
     if (v < field->centroid_min[a]) field->centroid_min[a] = v;
     if (v > field->centroid_max[a]) field->centroid_max[a] = v;
     reach2 += (double)v * (double)v;
   }
-  floats[3 * n + slot] = mean;
-  words[4 * n + slot] = asset;
-  words[5 * n + slot] = (cell[0] + cells * (cell[1] + cells * cell[2])) * field->max_rocks_per_cell + rock->seed;
+  ((uint32_t*)(void*)rocks)[3 * n + slot] = asset;
+  ((uint32_t*)(void*)layout)[slot] = (cell[0] + cells * (cell[1] + cells * cell[2])) * field->max_rocks_per_cell + rock->seed;
+  float mean = (float)(0.5 * ((double)rock->inner_radius + (double)rock->outer_radius) * h);
+  field->mean_radius[(size_t)tile->rocks * FIELD_OCTET + slot] = mean;
   if (mean < field->mean_radius_min) field->mean_radius_min = mean;
   if (mean > field->mean_radius_max) field->mean_radius_max = mean;
   float reach = (float)(sqrt(reach2) * 1.000001);
   if (reach > field->centroid_reach) field->centroid_reach = reach;
 }
 
-static void fill_slots(scree_field* field, const field_source* s) {
+static void fill_tile(scree_field* field, const field_source* s, uint32_t code) {
+  uint32_t slot = 0, c[3];
+  for (uint32_t b = 0; b < FIELD_BLOCKS; ++b)
+    for (c[2] = block_low(field, b, 2); c[2] < block_high(field, b, 2); ++c[2])
+      for (c[1] = block_low(field, b, 1); c[1] < block_high(field, b, 1); ++c[1])
+        for (c[0] = block_low(field, b, 0); c[0] < block_high(field, b, 0); ++c[0]) {
+          uint32_t cell = tile_cell(s, code, c[0], c[1], c[2]);
+          for (uint32_t i = s->cell_first[cell]; i < s->cell_first[cell + 1]; ++i)
+            fill_slot(field, &field->tiles[code], slot++, &s->rocks[i], i, c);
+        }
+}
+
+static void fill_tiles(scree_field* field, const field_source* s) {
   field->mean_radius_min = INFINITY;
   for (int a = 0; a < 3; ++a) field->centroid_min[a] = INFINITY, field->centroid_max[a] = -INFINITY;
+  uint32_t end = 0; /* of the layouts that are in use */
   for (uint32_t code = 0; code < 256; ++code) {
-    uint32_t slot = 0;
-    for (uint32_t b = 0; b < FIELD_BLOCKS; ++b) {
-      const field_block* block = &field->blocks[b];
-      uint32_t c[3];
-      for (c[2] = block->low[2]; c[2] < block->high[2]; ++c[2])
-        for (c[1] = block->low[1]; c[1] < block->high[1]; ++c[1])
-          for (c[0] = block->low[0]; c[0] < block->high[0]; ++c[0]) {
-            uint32_t cell = tile_cell(s, code, c[0], c[1], c[2]);
-            for (uint32_t i = s->cell_first[cell]; i < s->cell_first[cell + 1]; ++i)
-              fill_slot(field, &field->tiles[code], slot++, &s->rocks[i], i, c);
-          }
+    field_tile* tile = &field->tiles[code];
+    uint32_t octets = tile->padded / FIELD_OCTET;
+    tile->layout = end;
+    fill_tile(field, s, code);
+    /* The same cells in the same order as the tile before: share them, so that they stay in the nearest cache. */
+    const field_tile* last = code > 0 ? tile - 1 : NULL;
+    uint8_t* own = field->layouts + (size_t)end * (8 * FIELD_OCTET);
+    if (last != NULL && last->padded == tile->padded &&
+        memcmp(own, field->layouts + (size_t)last->layout * (8 * FIELD_OCTET), (size_t)octets * (8 * FIELD_OCTET)) == 0) {
+      tile->layout = last->layout;
+      memset(own, 0, (size_t)octets * (8 * FIELD_OCTET));
+    } else {
+      end += octets;
     }
   }
   for (int a = 0; a < 3; ++a)
@@ -137,7 +139,7 @@ static void slot_centroid(const scree_field* field, const tile_slots* t, uint32_
 }
 
 static void bound_block(scree_field* field, uint32_t b) {
-  field_block* block = &field->blocks[b];
+  float* centre[3] = {&field->balls.x[b], &field->balls.y[b], &field->balls.z[b]};
   double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, p[3], radius2 = 0;
   for (int pass = 0; pass < 2; ++pass) {
     for (uint32_t code = 0; code < 256; ++code) {
@@ -149,16 +151,16 @@ static void bound_block(scree_field* field, uint32_t b) {
         for (int a = 0; a < 3; ++a) {
           if (p[a] < low[a]) low[a] = p[a];
           if (p[a] > high[a]) high[a] = p[a];
-          double d = p[a] - (double)block->centre[a];
+          double d = p[a] - (double)*centre[a];
           distance2 += d * d;
         }
         if (pass == 1 && distance2 > radius2) radius2 = distance2;
       }
     }
     if (low[0] > high[0]) break; /* no rocks at all */
-    for (int a = 0; a < 3; ++a) block->centre[a] = (float)((low[a] + high[a]) * 0.5);
+    for (int a = 0; a < 3; ++a) *centre[a] = (float)((low[a] + high[a]) * 0.5);
   }
-  block->radius = (float)(sqrt(radius2) * 1.000001);
+  field->balls.radius[b] = (float)(sqrt(radius2) * 1.000001);
 }
 
 scree_result field_create_from_source(const scree_field_desc* desc, const field_source* source, const scree_allocator* given,
@@ -178,14 +180,18 @@ scree_result field_create_from_source(const scree_field_desc* desc, const field_
   field->cells_per_cube = source->cells_per_cube;
   field->max_rocks_per_cell = source->max_rocks_per_cell;
   field->max_radius = source->max_radius;
-  place_blocks(field);
+  for (uint32_t mask = 0; mask < 256; ++mask)
+    for (uint32_t bit = 0, kept = 0; bit < 8; ++bit)
+      if (mask >> bit & 1) field->lane_order[mask] |= (uint64_t)bit << (8 * kept++);
   place_tiles(field, source);
-  field->slots = allocate_zeroed(&allocator, field->slot_bytes, 1);
-  if (field->slots == NULL) {
+  field->rocks = allocate_zeroed(&allocator, field->rock_bytes, 1);
+  field->layouts = allocate_zeroed(&allocator, field->layout_bytes, 1);
+  field->mean_radius = allocate_zeroed(&allocator, field->mean_radius_count, sizeof *field->mean_radius);
+  if (field->rocks == NULL || field->layouts == NULL || field->mean_radius == NULL) {
     scree_field_destroy(field);
     return SCREE_ERROR_OUT_OF_MEMORY;
   }
-  fill_slots(field, source);
+  fill_tiles(field, source);
   for (uint32_t b = 0; b < FIELD_BLOCKS; ++b) bound_block(field, b);
   *out = field;
   return SCREE_OK;
@@ -194,7 +200,9 @@ scree_result field_create_from_source(const scree_field_desc* desc, const field_
 void scree_field_destroy(scree_field* field) {
   if (field == NULL) return;
   scree_allocator allocator = field->allocator;
-  release(&allocator, field->slots, field->slot_bytes, 1);
+  release(&allocator, field->rocks, field->rock_bytes, 1);
+  release(&allocator, field->layouts, field->layout_bytes, 1);
+  release(&allocator, field->mean_radius, field->mean_radius_count, sizeof *field->mean_radius);
   release(&allocator, field, 1, sizeof *field);
 }
 

@@ -35,16 +35,17 @@ typedef struct field_source {
 } field_source;
 
 typedef struct field_tile {
-  uint32_t offset; /* of its arrays in scree_field.slots, in units of 32 * FIELD_OCTET bytes */
+  uint32_t rocks; /* its rocks in scree_field.rocks, in units of 16 * FIELD_OCTET bytes */
+  uint32_t
+      layout; /* its cells in scree_field.layouts, in units of 8 * FIELD_OCTET bytes; with one rock a cell all tiles share one */
   uint32_t padded; /* length of each array, a multiple of FIELD_OCTET, at least FIELD_OCTET - 1 more than there are rocks */
   uint16_t block_first[FIELD_BLOCKS + 1]; /* slots of block b: block_first[b] .. block_first[b + 1] - 1 */
 } field_tile;
 
-typedef struct field_block {
-  uint8_t low[3], high[3]; /* cells low .. high - 1 */
-  float centre[3]; /* of a ball that holds the centroids of the block's rocks in every tile, metres from the centre of the */
-  float radius;    /* cube's cell (0, 0, 0) */
-} field_block;
+/* Balls that hold the centroids of each block's rocks in every tile, metres from the centre of the cube's cell (0, 0, 0). */
+typedef struct field_balls {
+  float x[FIELD_BLOCKS], y[FIELD_BLOCKS], z[FIELD_BLOCKS], radius[FIELD_BLOCKS];
+} field_balls;
 
 struct scree_field {
   scree_allocator allocator;
@@ -55,28 +56,45 @@ struct scree_field {
   float max_radius;                                       /* cells */
   float centroid_min[3], centroid_max[3], centroid_reach; /* of all rocks, metres from the home cell's centre */
   float mean_radius_min, mean_radius_max;                 /* of all rocks, metres */
-  field_block blocks[FIELD_BLOCKS];
+  field_balls balls;
+  uint64_t lane_order[256]; /* byte i: the place of the i-th set bit of the index, for packing what a mask keeps */
   field_tile tiles[256];
-  uint8_t* slots;
-  size_t slot_bytes;
+  uint8_t *rocks, *layouts;
+  float* mean_radius; /* parallel to the slots of `rocks`, apart because thresholds of one half do not read it */
+  size_t rock_bytes, layout_bytes, mean_radius_count;
 };
+
+/* Cells of block b along an axis: low .. high - 1. The first half is the larger one. */
+static inline uint32_t block_low(const scree_field* field, uint32_t b, int axis) {
+  return b >> axis & 1 ? (field->cells_per_cube + 1) / 2 : 0;
+}
+static inline uint32_t block_high(const scree_field* field, uint32_t b, int axis) {
+  return b >> axis & 1 ? field->cells_per_cube : (field->cells_per_cube + 1) / 2;
+}
 
 /* The arrays of a tile. */
 typedef struct tile_slots {
-  const float *x, *y, *z;        /* centroid, metres from the centre of the home cell */
-  const float* mean_radius;      /* half of inner + outer radius, metres */
-  const uint32_t *asset, *local; /* local: as in scree_id */
-  const uint8_t *cx, *cy, *cz;   /* the home cell in the cube */
+  const float *x, *y, *z; /* centroid, metres from the centre of the home cell */
+  const uint32_t* asset;
+  const float* mean_radius;    /* half of inner + outer radius, metres */
+  const uint32_t* local;       /* as in scree_id */
+  const uint8_t *cx, *cy, *cz; /* the home cell in the cube */
 } tile_slots;
 
 static inline tile_slots field_slots(const scree_field* field, const field_tile* tile) {
-  const uint8_t* base = field->slots + (size_t)tile->offset * (32 * FIELD_OCTET);
-  const float* floats = (const float*)(const void*)base;
-  const uint32_t* words = (const uint32_t*)(const void*)base;
-  const uint8_t* bytes = base + (size_t)tile->padded * 24;
   size_t n = tile->padded;
-  return (tile_slots){floats,        floats + n, floats + 2 * n, floats + 3 * n, words + 4 * n,
-                      words + 5 * n, bytes,      bytes + n,      bytes + 2 * n};
+  const uint8_t* rocks = field->rocks + (size_t)tile->rocks * (16 * FIELD_OCTET);
+  const uint8_t* layout = field->layouts + (size_t)tile->layout * (8 * FIELD_OCTET);
+  const float* floats = (const float*)(const void*)rocks;
+  return (tile_slots){.x = floats,
+                      .y = floats + n,
+                      .z = floats + 2 * n,
+                      .asset = (const uint32_t*)(const void*)(rocks + 12 * n),
+                      .mean_radius = field->mean_radius + (size_t)tile->rocks * FIELD_OCTET,
+                      .local = (const uint32_t*)(const void*)layout,
+                      .cx = layout + 4 * n,
+                      .cy = layout + 5 * n,
+                      .cz = layout + 6 * n};
 }
 
 /* Makes a field from tables that may hold anything; checks them. Returns what scree_field_create returns. */

@@ -46,10 +46,9 @@ typedef struct parts {
 /* A cube that is looked at. */
 typedef struct cube_view {
   int32_t at[3];
-  bool border;             /* not all of its cells belong to the query */
-  uint8_t low[3], high[3]; /* which do */
-  float test[3][8];        /* centres of cells along each axis in the support's space */
-  float out[3][8];         /* and as delivered */
+  bool border;                     /* not all of its cells belong to the query */
+  uint8_t low[3], high[3];         /* which do */
+  const float *test[3], *place[3]; /* centres of cells along each axis, 8 each: in the support's space, and as delivered */
   const field_tile* tile;
   tile_slots slots;
 } cube_view;
@@ -182,25 +181,35 @@ static inline __m256i cell_lanes(const uint8_t* cells) {
   return _mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i*)(const void*)cells));
 }
 
-/* Eight records as four pairs: pair k holds records k and k + 4. */
-static inline void make_records(const cube_view* c, uint32_t slot, __m256 pairs[4]) {
-  __m256 x = _mm256_permutevar8x32_ps(_mm256_loadu_ps(c->out[0]), cell_lanes(c->slots.cx + slot));
-  __m256 y = _mm256_permutevar8x32_ps(_mm256_loadu_ps(c->out[1]), cell_lanes(c->slots.cy + slot));
-  __m256 z = _mm256_permutevar8x32_ps(_mm256_loadu_ps(c->out[2]), cell_lanes(c->slots.cz + slot));
-  __m256 asset = _mm256_loadu_ps((const float*)(const void*)(c->slots.asset + slot));
+/* Stores 8 records, given as the cells they stand in and their assets. */
+static inline void store_columns(const cube_view* c, __m256i cx, __m256i cy, __m256i cz, __m256 asset, float* to) {
+  __m256 x = _mm256_permutevar8x32_ps(_mm256_loadu_ps(c->place[0]), cx);
+  __m256 y = _mm256_permutevar8x32_ps(_mm256_loadu_ps(c->place[1]), cy);
+  __m256 z = _mm256_permutevar8x32_ps(_mm256_loadu_ps(c->place[2]), cz);
   __m256 xy_low = _mm256_unpacklo_ps(x, y), xy_high = _mm256_unpackhi_ps(x, y);
   __m256 za_low = _mm256_unpacklo_ps(z, asset), za_high = _mm256_unpackhi_ps(z, asset);
-  pairs[0] = _mm256_shuffle_ps(xy_low, za_low, 0x44);
-  pairs[1] = _mm256_shuffle_ps(xy_low, za_low, 0xee);
-  pairs[2] = _mm256_shuffle_ps(xy_high, za_high, 0x44);
-  pairs[3] = _mm256_shuffle_ps(xy_high, za_high, 0xee);
+  __m256 r04 = _mm256_shuffle_ps(xy_low, za_low, 0x44), r15 = _mm256_shuffle_ps(xy_low, za_low, 0xee);
+  __m256 r26 = _mm256_shuffle_ps(xy_high, za_high, 0x44), r37 = _mm256_shuffle_ps(xy_high, za_high, 0xee);
+  _mm256_storeu_ps(to, _mm256_permute2f128_ps(r04, r15, 0x20));
+  _mm256_storeu_ps(to + 8, _mm256_permute2f128_ps(r26, r37, 0x20));
+  _mm256_storeu_ps(to + 16, _mm256_permute2f128_ps(r04, r15, 0x31));
+  _mm256_storeu_ps(to + 24, _mm256_permute2f128_ps(r26, r37, 0x31));
+}
+
+/* Stores the records of 8 slots, in this order. */
+static inline void store_records(const cube_view* c, uint32_t slot, __m256i order, float* to) {
+  __m256i cx = _mm256_permutevar8x32_epi32(cell_lanes(c->slots.cx + slot), order);
+  __m256i cy = _mm256_permutevar8x32_epi32(cell_lanes(c->slots.cy + slot), order);
+  __m256i cz = _mm256_permutevar8x32_epi32(cell_lanes(c->slots.cz + slot), order);
+  __m256 asset = _mm256_permutevar8x32_ps(_mm256_loadu_ps((const float*)(const void*)(c->slots.asset + slot)), order);
+  store_columns(c, cx, cy, cz, asset, to);
 }
 #endif
 
 static inline void write_one(const walk* w, const cube_view* c, uint32_t slot, uint64_t to) {
   const tile_slots* s = &c->slots;
   w->run->instances[to] =
-      (scree_instance){{c->out[0][s->cx[slot]], c->out[1][s->cy[slot]], c->out[2][s->cz[slot]]}, s->asset[slot]};
+      (scree_instance){{c->place[0][s->cx[slot]], c->place[1][s->cy[slot]], c->place[2][s->cz[slot]]}, s->asset[slot]};
 }
 
 static void write_ids(const walk* w, const cube_view* c, uint32_t slot, uint32_t mask, uint64_t to) {
@@ -223,14 +232,8 @@ static inline void emit_octet(walk* w, const cube_view* c, uint32_t slot, uint32
   }
   if (run->ids != NULL) write_ids(w, c, slot, mask, to);
 #if SIMD_WIDTH == 8
-  __m256 pairs[4];
-  make_records(c, slot, pairs);
-  float* record = (float*)(run->instances + to);
-  for (int half = 0; half < 2; ++half)
-    for (int k = 0; k < 4; ++k) { /* each is stored where the next one that counts will lie */
-      _mm_storeu_ps(record, half == 0 ? _mm256_castps256_ps128(pairs[k]) : _mm256_extractf128_ps(pairs[k], 1));
-      record += 4 * (mask >> (4 * half + k) & 1);
-    }
+  __m256i order = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128((int64_t)w->field->lane_order[mask]));
+  store_records(c, slot, order, (float*)(run->instances + to));
 #else
   for (; mask != 0; mask &= mask - 1) write_one(w, c, slot + (uint32_t)__builtin_ctz(mask), to++);
 #endif
@@ -265,14 +268,9 @@ static void emit_slots(walk* w, const cube_view* c, uint32_t first, uint32_t end
 #if SIMD_WIDTH == 8
   if (!c->border && run->ids == NULL && w->count + (end - first) + FIELD_OCTET <= run->capacity) {
     float* record = (float*)(run->instances + w->count);
-    for (; slot < end; slot += FIELD_OCTET, record += 4 * FIELD_OCTET) {
-      __m256 pairs[4];
-      make_records(c, slot, pairs);
-      _mm256_storeu_ps(record, _mm256_permute2f128_ps(pairs[0], pairs[1], 0x20));
-      _mm256_storeu_ps(record + 8, _mm256_permute2f128_ps(pairs[2], pairs[3], 0x20));
-      _mm256_storeu_ps(record + 16, _mm256_permute2f128_ps(pairs[0], pairs[1], 0x31));
-      _mm256_storeu_ps(record + 24, _mm256_permute2f128_ps(pairs[2], pairs[3], 0x31));
-    }
+    for (; slot < end; slot += FIELD_OCTET, record += 4 * FIELD_OCTET)
+      store_columns(c, cell_lanes(c->slots.cx + slot), cell_lanes(c->slots.cy + slot), cell_lanes(c->slots.cz + slot),
+                    _mm256_loadu_ps((const float*)(const void*)(c->slots.asset + slot)), record);
     w->count += end - first;
     return;
   }
@@ -285,14 +283,18 @@ static void emit_slots(walk* w, const cube_view* c, uint32_t first, uint32_t end
 /* Colours of the four corners (x, y..y+1, z..z+1) at bits 0, 2, 4, 6. */
 static inline uint32_t side_colours(uint64_t seed, int32_t x, int32_t y, int32_t z) {
   uint32_t colours = 0;
-  for (int32_t k = 0; k < 4; ++k) colours |= corner_colour(seed, x, y + (k & 1), z + (k >> 1)) << (2 * k);
+  for (int32_t k = 0; k < 2; ++k) {
+    uint64_t column = hash_combine(seed, (uint64_t)(uint32_t)x | (uint64_t)(uint32_t)(y + k) << 32); /* as in hash_corner */
+    colours |= (uint32_t)(hash_combine(column, (uint32_t)z) >> 63) << (2 * k);
+    colours |= (uint32_t)(hash_combine(column, (uint32_t)(z + 1)) >> 63) << (2 * k + 4);
+  }
   return colours;
 }
 
+/* Centres of the cells of a cube along one axis; past the cube's own they are never read. */
 static inline void place_axis(const walk* w, double base, int64_t cube, float out[8]) {
-  double h = w->field->cell_size;
-  int64_t first = cube * w->n;
-  for (int64_t i = 0; i < w->n; ++i) out[i] = (float)(base + h * (double)(first + i));
+  double h = w->field->cell_size, first = (double)(cube * w->n);
+  for (int i = 0; i < 8; ++i) out[i] = (float)(base + h * (first + i));
 }
 
 static void set_tile(const walk* w, cube_view* c, uint32_t code) {
@@ -301,13 +303,21 @@ static void set_tile(const walk* w, cube_view* c, uint32_t code) {
 }
 
 /* Notes which cells of the cube belong to the query. */
-static void set_range(const walk* w, cube_view* c) {
+static inline void set_range(const walk* w, cube_view* c) {
+  int64_t low[3], high[3];
   c->border = false;
   for (int a = 0; a < 3; ++a) {
-    int64_t first = c->at[a] * w->n, low = w->run->cell_low[a] - first, high = w->run->cell_high[a] - first;
-    c->low[a] = (uint8_t)(low > 0 ? low : 0);
-    c->high[a] = (uint8_t)(high < w->n ? high : w->n);
-    c->border = c->border || low > 0 || high < w->n;
+    int64_t first = c->at[a] * w->n;
+    low[a] = w->run->cell_low[a] - first;
+    high[a] = w->run->cell_high[a] - first;
+    c->low[a] = 0;
+    c->high[a] = (uint8_t)w->n;
+    c->border = c->border || low[a] > 0 || high[a] < w->n;
+  }
+  if (!c->border) return;
+  for (int a = 0; a < 3; ++a) {
+    c->low[a] = (uint8_t)(low[a] > 0 ? low[a] : 0);
+    c->high[a] = (uint8_t)(high[a] < w->n ? high[a] : w->n);
   }
 }
 
@@ -326,7 +336,8 @@ static void flush(walk* w, const cube_view* c, program_view program, batch* b) {
     uint32_t exists = 0;
     for (uint32_t k = 0; k < FIELD_OCTET; k += SIMD_WIDTH) {
       vfloat d = v_load(w->values[0] + o * FIELD_OCTET + k);
-      vfloat offset = v_set(run->slope) * v_load(c->slots.mean_radius + b->slot[o] + k);
+      vfloat offset = v_set(0);
+      if (run->slope != 0) offset = v_set(run->slope) * v_load(c->slots.mean_radius + b->slot[o] + k);
       exists |= v_bits((d <= offset) & (d > v_set(run->floor))) << k;
     }
     emit_octet(w, c, b->slot[o], exists & b->mask[o]);
@@ -364,34 +375,45 @@ static void test_slots(walk* w, const cube_view* c, program_view program, batch*
   }
 }
 
-/* A straddling cube: block by block. */
-static void visit_cube(walk* w, const int64_t at[3], program_view program) {
+/* What the cubes of a node of 2 x 2 x 2 share: the centres of their cells. */
+typedef struct axis_places {
+  float test[3][2][8], place[3][2][8];
+  bool placed; /* `place` is filled */
+} axis_places;
+
+/* A straddling cube, child `child` of the node at `node`: block by block. */
+static void visit_cube(walk* w, const int64_t node[3], uint32_t child, axis_places* places, program_view program) {
   const query_run* run = w->run;
   const scree_field* field = w->field;
+  const field_balls* balls = &field->balls;
   cube_view c;
   parts p;
   for (int a = 0; a < 3; ++a) {
-    c.at[a] = (int32_t)at[a];
-    place_axis(w, run->test_base[a], at[a], c.test[a]);
+    c.at[a] = (int32_t)(node[a] + (child >> a & 1));
+    c.test[a] = places->test[a][child >> a & 1];
+    c.place[a] = places->place[a][child >> a & 1];
   }
   set_range(w, &c);
-  uint32_t lanes = 0;
-  for (uint32_t b = 0; b < FIELD_BLOCKS; ++b) {
-    const field_block* block = &field->blocks[b];
-    p.x[b] = c.test[0][0] + block->centre[0];
-    p.y[b] = c.test[1][0] + block->centre[1];
-    p.z[b] = c.test[2][0] + block->centre[2];
-    p.radius[b] = block->radius;
-    bool some = true;
-    for (int a = 0; a < 3; ++a) some = some && block->low[a] < c.high[a] && block->high[a] > c.low[a];
-    lanes |= (uint32_t)some << b;
+  uint32_t lanes = 0xff;
+  for (uint32_t b = 0; b < FIELD_BLOCKS && c.border; ++b)
+    for (int a = 0; a < 3; ++a)
+      if (block_low(field, b, a) >= c.high[a] || block_high(field, b, a) <= c.low[a]) lanes &= ~(1u << b);
+  for (int i = 0; i < PARTS; i += SIMD_WIDTH) {
+    v_store(p.x + i, v_set(c.test[0][0]) + v_load(balls->x + i));
+    v_store(p.y + i, v_set(c.test[1][0]) + v_load(balls->y + i));
+    v_store(p.z + i, v_set(c.test[2][0]) + v_load(balls->z + i));
+    v_store(p.radius + i, v_load(balls->radius + i));
   }
   bound_parts(w, program, &p, lanes);
   if ((p.bulk | p.straddling) == 0) return;
 
   set_tile(w, &c,
            side_colours(field->seed, c.at[0], c.at[1], c.at[2]) | side_colours(field->seed, c.at[0] + 1, c.at[1], c.at[2]) << 1);
-  for (int a = 0; a < 3; ++a) place_axis(w, run->out_base[a], at[a], c.out[a]);
+  if (!places->placed) {
+    for (int a = 0; a < 3; ++a)
+      for (int s = 0; s < 2; ++s) place_axis(w, run->out_base[a], node[a] + s, places->place[a][s]);
+    places->placed = true;
+  }
   batch todo;
   todo.octets = 0;
   for (uint32_t b = 0; b < FIELD_BLOCKS;) { /* runs of blocks with the same fate are neighbours in the slots */
@@ -408,16 +430,18 @@ static void emit_cubes(walk* w, const int64_t low[3], const int64_t high[3]) {
   const query_run* run = w->run;
   const scree_field* field = w->field;
   cube_view c;
+  float places[3][8];
+  for (int a = 0; a < 3; ++a) c.place[a] = places[a];
   for (int64_t z = low[2]; z < high[2]; ++z)
     for (int64_t y = low[1]; y < high[1]; ++y) {
       c.at[1] = (int32_t)y;
       c.at[2] = (int32_t)z;
-      place_axis(w, run->out_base[1], y, c.out[1]);
-      place_axis(w, run->out_base[2], z, c.out[2]);
+      place_axis(w, run->out_base[1], y, places[1]);
+      place_axis(w, run->out_base[2], z, places[2]);
       uint32_t left = side_colours(field->seed, (int32_t)low[0], c.at[1], c.at[2]);
       for (int64_t x = low[0]; x < high[0]; ++x) {
         c.at[0] = (int32_t)x;
-        place_axis(w, run->out_base[0], x, c.out[0]);
+        place_axis(w, run->out_base[0], x, places[0]);
         uint32_t right = side_colours(field->seed, c.at[0] + 1, c.at[1], c.at[2]);
         set_tile(w, &c, left | right << 1);
         left = right;
@@ -471,6 +495,8 @@ static void visit_node(walk* w, const int64_t at[3], int64_t size, program_view 
   bound_parts(w, program, &p, lanes);
 
   uint32_t mark = w->arena_used;
+  axis_places places;
+  bool tested = false;
   program_view programs[PARTS];
   for (uint32_t c = 0; c < PARTS; ++c) /* before the children, who use the same scratch */
     if (p.straddling >> c & 1) programs[c] = p.prunable >> c & 1 ? prune(w, program, c) : program;
@@ -480,7 +506,13 @@ static void visit_node(walk* w, const int64_t at[3], int64_t size, program_view 
     if (p.bulk >> c & 1) emit_cubes(w, low, high);
     if (!(p.straddling >> c & 1)) continue;
     if (half == 1) {
-      visit_cube(w, low, programs[c]);
+      if (!tested) {
+        for (int a = 0; a < 3; ++a)
+          for (int k = 0; k < 2; ++k) place_axis(w, w->run->test_base[a], at[a] + k, places.test[a][k]);
+        tested = true;
+        places.placed = false;
+      }
+      visit_cube(w, at, c, &places, programs[c]);
     } else {
       const int64_t child[3] = {at[0] + half * (c & 1), at[1] + half * (c >> 1 & 1), at[2] + half * (c >> 2)};
       visit_node(w, child, half, programs[c]);
