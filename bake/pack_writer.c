@@ -6,9 +6,11 @@
 #include "lattice.h"
 #include "pack_format.h"
 
-/* Sizes and places of all sections, and where each is filled next. */
+/* Sizes and places of all sections. */
 typedef struct pack_layout {
   pack_section sections[PACK_SECTION_KINDS];
+  uint32_t* blob_offsets; /* of every level, in units; levels with the same bytes share a blob */
+  bool narrow_contacts, narrow_hulls;
   uint64_t file_size;
   uint32_t max_rocks_per_cell;
   float max_radius;
@@ -23,7 +25,8 @@ static scree_result place_sections(const uint64_t elements[PACK_SECTION_KINDS], 
   for (uint32_t i = 0; i < PACK_SECTION_KINDS; ++i) {
     pack_section* section = &layout->sections[i];
     section->kind = i + 1;
-    section->element_size = pack_element_size(section->kind);
+    const bool narrow = section->kind == PACK_CONTACTS ? layout->narrow_contacts : layout->narrow_hulls;
+    section->element_size = pack_element_size(section->kind, narrow);
     section->offset = round_up(end, PACK_ALIGNMENT);
     section->size = elements[i] * section->element_size;
     end = section->offset + section->size;
@@ -32,13 +35,12 @@ static scree_result place_sections(const uint64_t elements[PACK_SECTION_KINDS], 
   return end <= SIZE_MAX ? SCREE_OK : SCREE_ERROR_RANGE;
 }
 
-static scree_result measure(const rock_set* set, pack_layout* layout) {
+static scree_result check_cells(const rock_set* set, pack_layout* layout) {
   if (set->cells_per_cube < 1 || set->cells_per_cube > PACK_MAX_CELLS_PER_CUBE) return SCREE_ERROR_RANGE;
   if (set->lattice_per_cell < 1 || set->lattice_per_cell > PACK_MAX_LATTICE_PER_CELL) return SCREE_ERROR_RANGE;
   if (set->lod_count < 1 || set->lod_count > ROCK_MAX_LODS) return SCREE_ERROR_RANGE;
   if (set->rock_count < 1 || set->cell_count != lattice_cell_count(set->cells_per_cube)) return SCREE_ERROR_INVALID_ARGUMENT;
   if (set->cell_first[0] != 0 || set->cell_first[set->cell_count] != set->rock_count) return SCREE_ERROR_INVALID_ARGUMENT;
-
   for (uint32_t cell = 0; cell < set->cell_count; ++cell) {
     if (set->cell_first[cell] > set->cell_first[cell + 1]) return SCREE_ERROR_INVALID_ARGUMENT;
     const uint32_t rocks = set->cell_first[cell + 1] - set->cell_first[cell];
@@ -49,35 +51,84 @@ static scree_result measure(const rock_set* set, pack_layout* layout) {
       if (rock->cell != cell || rock->seed != seed) return SCREE_ERROR_INVALID_ARGUMENT;
     }
   }
+  return SCREE_OK;
+}
 
-  uint64_t contacts = 0, hull_vertices = 0, blob_bytes = 0;
+static bool fits_byte(const int16_t p[3]) {
+  bool fits = true;
+  for (int axis = 0; axis < 3; ++axis) fits &= p[axis] >= INT8_MIN && p[axis] <= INT8_MAX;
+  return fits;
+}
+
+/* elements: of contacts, hulls. */
+static scree_result count_records(const rock_set* set, pack_layout* layout, uint64_t* contacts, uint64_t* hull_vertices) {
+  layout->narrow_contacts = layout->narrow_hulls = true;
   for (uint32_t i = 0; i < set->rock_count; ++i) {
     const rock_record* rock = &set->rocks[i];
     if (rock->hull_count < PACK_MIN_HULL || rock->hull_count > PACK_MAX_HULL) return SCREE_ERROR_INVALID_ARGUMENT;
     if (rock->contact_count > UINT16_MAX) return SCREE_ERROR_RANGE;
     if (!(rock->outer_radius > 0)) return SCREE_ERROR_INVALID_ARGUMENT;
     if (rock->outer_radius > layout->max_radius) layout->max_radius = rock->outer_radius;
-    contacts += rock->contact_count;
-    hull_vertices += rock->hull_count;
-    for (uint32_t lod = 0; lod < set->lod_count; ++lod) {
-      const rock_lod* level = &rock->lods[lod];
-      if (level->triangle_count > (uint64_t)level->blob_size * PACK_MAX_TRIANGLES_PER_BLOB_BYTE) return SCREE_ERROR_RANGE;
-      blob_bytes = round_up(blob_bytes, PACK_BLOB_UNIT) + level->blob_size;
-    }
+    for (uint32_t k = 0; k < rock->contact_count; ++k) layout->narrow_contacts &= fits_byte(rock->contacts[k].position);
+    for (uint32_t k = 0; k < rock->hull_count; ++k) layout->narrow_hulls &= fits_byte(rock->hull[k]);
+    *contacts += rock->contact_count;
+    *hull_vertices += rock->hull_count;
   }
-  if (contacts > UINT32_MAX || hull_vertices > UINT32_MAX || blob_bytes / PACK_BLOB_UNIT > UINT32_MAX) return SCREE_ERROR_RANGE;
+  return *contacts <= UINT32_MAX && *hull_vertices <= UINT32_MAX ? SCREE_OK : SCREE_ERROR_RANGE;
+}
 
-  const uint64_t n = set->cells_per_cube, lods = (uint64_t)set->rock_count * set->lod_count;
+static const rock_lod* level_at(const rock_set* set, size_t index) {
+  return &set->rocks[index / set->lod_count].lods[index % set->lod_count];
+}
+
+/* Gives every blob its place. Rocks whose tiles differ only far away come out the same: one in fifty at n = 6.
+ * slots: a power of two above the number of levels, each a level or UINT32_MAX. */
+static scree_result place_blobs(const rock_set* set, uint32_t* slots, size_t slot_count, uint32_t* offsets, uint64_t* bytes) {
+  memset(slots, 0xff, slot_count * sizeof *slots);
+  const size_t levels = (size_t)set->rock_count * set->lod_count;
+  for (size_t i = 0; i < levels; ++i) {
+    const rock_lod* level = level_at(set, i);
+    if (level->triangle_count > (uint64_t)level->blob_size * PACK_MAX_TRIANGLES_PER_BLOB_BYTE) return SCREE_ERROR_RANGE;
+    offsets[i] = 0;
+    if (level->blob_size == 0) continue;
+    size_t slot = (size_t)hash_mix(level->digest + level->blob_size) & (slot_count - 1);
+    for (; slots[slot] != UINT32_MAX; slot = (slot + 1) & (slot_count - 1)) {
+      const rock_lod* other = level_at(set, slots[slot]);
+      if (other->blob_size == level->blob_size && memcmp(other->blob, level->blob, level->blob_size) == 0) break;
+    }
+    if (slots[slot] != UINT32_MAX) {
+      offsets[i] = offsets[slots[slot]];
+      continue;
+    }
+    *bytes = round_up(*bytes, PACK_BLOB_UNIT);
+    if (*bytes / PACK_BLOB_UNIT > UINT32_MAX) return SCREE_ERROR_RANGE;
+    slots[slot] = (uint32_t)i;
+    offsets[i] = (uint32_t)(*bytes / PACK_BLOB_UNIT);
+    *bytes += level->blob_size;
+  }
+  return SCREE_OK;
+}
+
+static scree_result measure(const rock_set* set, const scree_allocator* allocator, pack_layout* layout) {
+  uint64_t contacts = 0, hull_vertices = 0, blob_bytes = 0;
+  scree_result result = check_cells(set, layout);
+  if (result == SCREE_OK) result = count_records(set, layout, &contacts, &hull_vertices);
+  if (result != SCREE_OK) return result;
+
+  const uint64_t n = set->cells_per_cube, levels = (uint64_t)set->rock_count * set->lod_count;
+  if (levels >= UINT32_MAX / 4) return SCREE_ERROR_RANGE;
+  size_t slot_count = 16;
+  while (slot_count < 2 * levels) slot_count *= 2;
+  uint32_t* slots = allocate(allocator, slot_count, sizeof *slots);
+  layout->blob_offsets = allocate(allocator, (size_t)levels, sizeof *layout->blob_offsets);
+  result = slots != NULL && layout->blob_offsets != NULL ? SCREE_OK : SCREE_ERROR_OUT_OF_MEMORY;
+  if (result == SCREE_OK) result = place_blobs(set, slots, slot_count, layout->blob_offsets, &blob_bytes);
+  release(allocator, slots, slot_count, sizeof *slots);
+  if (result != SCREE_OK) return result;
   const uint64_t elements[PACK_SECTION_KINDS] = {
-      strlen(set->recipe) + 1,
-      256 * n * n * n,
-      set->cell_count + UINT64_C(1),
-      set->rock_count,
-      lods,
-      contacts,
-      hull_vertices,
-      lods,
-      blob_bytes,
+      strlen(set->recipe) + 1, 256 * n * n * n, set->cell_count + UINT64_C(1),
+      set->rock_count,         levels,          contacts,
+      hull_vertices,           levels,          blob_bytes,
   };
   return place_sections(elements, layout);
 }
@@ -94,7 +145,6 @@ static void write_tiles(const rock_set* set, uint32_t* tiles) {
 typedef struct cursors {
   uint32_t contact;
   uint32_t hull;
-  uint64_t blob;
 } cursors;
 
 static void write_asset(const rock_record* rock, const cursors* at, pack_asset* out) {
@@ -114,38 +164,48 @@ static void write_asset(const rock_record* rock, const cursors* at, pack_asset* 
   memcpy(out->centroid, rock->centroid, sizeof out->centroid);
 }
 
-static pack_contact contact_record(const scree_contact* contact) {
-  return (pack_contact){
-      .position = {contact->position[0], contact->position[1], contact->position[2]},
-      .neighbour = (uint8_t)(contact->cell[0] + 1 + 3 * (contact->cell[1] + 1) + 9 * (contact->cell[2] + 1)),
-      .seed = contact->seed,
-  };
+static void write_contact(const scree_contact* contact, bool narrow, uint8_t* section, size_t index) {
+  const uint8_t neighbour = (uint8_t)(contact->cell[0] + 1 + 3 * (contact->cell[1] + 1) + 9 * (contact->cell[2] + 1));
+  const int16_t* p = contact->position;
+  if (narrow)
+    ((pack_narrow_contact*)(void*)section)[index] =
+        (pack_narrow_contact){{(int8_t)p[0], (int8_t)p[1], (int8_t)p[2]}, neighbour, contact->seed};
+  else
+    ((pack_contact*)(void*)section)[index] = (pack_contact){{p[0], p[1], p[2]}, neighbour, contact->seed};
 }
 
-static void write_lod(const rock_lod* level, cursors* at, pack_lod* record, pack_blob* blob, uint8_t* blobs) {
-  at->blob = round_up(at->blob, PACK_BLOB_UNIT);
-  *record = (pack_lod){.digest = level->digest, .triangles = level->triangle_count, .error = level->error};
-  *blob = (pack_blob){.offset = (uint32_t)(at->blob / PACK_BLOB_UNIT), .size = level->blob_size, .vertices = level->vertex_count};
-  if (level->blob_size > 0) memcpy(blobs + at->blob, level->blob, level->blob_size);
-  at->blob += level->blob_size;
+static void write_hull_vertex(const int16_t p[3], bool narrow, uint8_t* section, size_t index) {
+  for (size_t axis = 0; axis < 3; ++axis) {
+    if (narrow)
+      ((int8_t*)section)[3 * index + axis] = (int8_t)p[axis];
+    else
+      ((int16_t*)(void*)section)[3 * index + axis] = p[axis];
+  }
 }
 
 static void write_rocks(const rock_set* set, const pack_layout* layout, uint8_t* bytes) {
   pack_asset* assets = (pack_asset*)(void*)(bytes + layout->sections[PACK_ASSETS - 1].offset);
-  pack_lod* lods = (pack_lod*)(void*)(bytes + layout->sections[PACK_LODS - 1].offset);
-  pack_contact* contacts = (pack_contact*)(void*)(bytes + layout->sections[PACK_CONTACTS - 1].offset);
+  uint8_t* contacts = bytes + layout->sections[PACK_CONTACTS - 1].offset;
   uint8_t* hulls = bytes + layout->sections[PACK_HULLS - 1].offset;
-  pack_blob* blob_index = (pack_blob*)(void*)(bytes + layout->sections[PACK_BLOB_INDEX - 1].offset);
-  uint8_t* blobs = bytes + layout->sections[PACK_BLOBS - 1].offset;
-
-  cursors at = {0, 0, 0};
+  cursors at = {0, 0};
   for (uint32_t i = 0; i < set->rock_count; ++i) {
     const rock_record* rock = &set->rocks[i];
     write_asset(rock, &at, &assets[i]);
-    for (uint32_t lod = 0; lod < set->lod_count; ++lod) write_lod(&rock->lods[lod], &at, lods++, blob_index++, blobs);
-    for (uint32_t k = 0; k < rock->contact_count; ++k) contacts[at.contact++] = contact_record(&rock->contacts[k]);
-    memcpy(hulls + (size_t)at.hull * sizeof *rock->hull, rock->hull, rock->hull_count * sizeof *rock->hull);
-    at.hull += rock->hull_count;
+    for (uint32_t k = 0; k < rock->contact_count; ++k)
+      write_contact(&rock->contacts[k], layout->narrow_contacts, contacts, at.contact++);
+    for (uint32_t k = 0; k < rock->hull_count; ++k) write_hull_vertex(rock->hull[k], layout->narrow_hulls, hulls, at.hull++);
+  }
+}
+
+static void write_levels(const rock_set* set, const pack_layout* layout, uint8_t* bytes) {
+  pack_lod* lods = (pack_lod*)(void*)(bytes + layout->sections[PACK_LODS - 1].offset);
+  pack_blob* index = (pack_blob*)(void*)(bytes + layout->sections[PACK_BLOB_INDEX - 1].offset);
+  uint8_t* blobs = bytes + layout->sections[PACK_BLOBS - 1].offset;
+  for (size_t i = 0; i < (size_t)set->rock_count * set->lod_count; ++i) {
+    const rock_lod* level = level_at(set, i);
+    lods[i] = (pack_lod){.digest = level->digest, .triangles = level->triangle_count, .error = level->error};
+    index[i] = (pack_blob){.offset = layout->blob_offsets[i], .size = level->blob_size, .vertices = level->vertex_count};
+    if (level->blob_size > 0) memcpy(blobs + (size_t)index[i].offset * PACK_BLOB_UNIT, level->blob, level->blob_size);
   }
 }
 
@@ -174,22 +234,28 @@ static void seal(const rock_set* set, pack_layout* layout, uint8_t* bytes) {
   memcpy(bytes, &header, sizeof header);
 }
 
+static scree_result write(const rock_set* set, const scree_allocator* allocator, pack_layout* layout, uint8_t** bytes) {
+  scree_result result = measure(set, allocator, layout);
+  if (result != SCREE_OK) return result;
+  /* Zeroed, so that the padding is. */
+  uint8_t* pack = allocate_zeroed(allocator, (size_t)layout->file_size, 1);
+  if (pack == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
+  memcpy(pack + layout->sections[PACK_RECIPE - 1].offset, set->recipe, (size_t)layout->sections[PACK_RECIPE - 1].size);
+  write_tiles(set, (uint32_t*)(void*)(pack + layout->sections[PACK_TILES - 1].offset));
+  memcpy(pack + layout->sections[PACK_CELLS - 1].offset, set->cell_first, (size_t)layout->sections[PACK_CELLS - 1].size);
+  write_rocks(set, layout, pack);
+  write_levels(set, layout, pack);
+  seal(set, layout, pack);
+  *bytes = pack;
+  return SCREE_OK;
+}
+
 scree_result pack_write(const rock_set* set, const scree_allocator* given, uint8_t** bytes, size_t* size) {
   const scree_allocator allocator = allocator_or_default(given);
   *bytes = NULL;
-  *size = 0;
   pack_layout layout = {0};
-  scree_result result = measure(set, &layout);
-  if (result != SCREE_OK) return result;
-  /* Zeroed, so that the padding is. */
-  uint8_t* pack = allocate_zeroed(&allocator, (size_t)layout.file_size, 1);
-  if (pack == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
-  memcpy(pack + layout.sections[PACK_RECIPE - 1].offset, set->recipe, (size_t)layout.sections[PACK_RECIPE - 1].size);
-  write_tiles(set, (uint32_t*)(void*)(pack + layout.sections[PACK_TILES - 1].offset));
-  memcpy(pack + layout.sections[PACK_CELLS - 1].offset, set->cell_first, (size_t)layout.sections[PACK_CELLS - 1].size);
-  write_rocks(set, &layout, pack);
-  seal(set, &layout, pack);
-  *bytes = pack;
-  *size = (size_t)layout.file_size;
-  return SCREE_OK;
+  const scree_result result = write(set, &allocator, &layout, bytes);
+  release(&allocator, layout.blob_offsets, (size_t)set->rock_count * set->lod_count, sizeof *layout.blob_offsets);
+  *size = result == SCREE_OK ? (size_t)layout.file_size : 0;
+  return result;
 }

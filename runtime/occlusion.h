@@ -4,7 +4,7 @@
 
 #include <stdint.h>
 
-#define OCCLUSION_BITS 5
+#define OCCLUSION_BITS 4
 #define OCCLUSION_MAX ((1u << OCCLUSION_BITS) - 1)
 
 /* 0..255 to the nearest of the levels a pack keeps, 0..OCCLUSION_MAX. */

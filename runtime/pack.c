@@ -23,7 +23,9 @@ static scree_result read_section_table(scree_pack* pack) {
     if (section->element_size == 0 || section->size % section->element_size != 0) return SCREE_ERROR_CORRUPT;
     end = begin + section->size;
     if (section->kind == 0 || section->kind > PACK_SECTION_KINDS) continue;
-    if (section->element_size != pack_element_size(section->kind)) return SCREE_ERROR_CORRUPT;
+    if (section->element_size != pack_element_size(section->kind, false) &&
+        section->element_size != pack_element_size(section->kind, true))
+      return SCREE_ERROR_CORRUPT;
     if (pack->sections[section->kind - 1] != NULL) return SCREE_ERROR_CORRUPT;
     pack->sections[section->kind - 1] = section;
   }
@@ -61,6 +63,8 @@ static scree_result read_views(scree_pack* pack) {
   pack->hulls = section_bytes(pack, PACK_HULLS);
   pack->blob_index = section_bytes(pack, PACK_BLOB_INDEX);
   pack->blobs = section_bytes(pack, PACK_BLOBS);
+  pack->narrow_contacts = pack->sections[PACK_CONTACTS - 1]->element_size == sizeof(pack_narrow_contact);
+  pack->narrow_hulls = pack->sections[PACK_HULLS - 1]->element_size == 3 * sizeof(int8_t);
   pack->contact_count = section_elements(pack, PACK_CONTACTS);
   pack->hull_count = section_elements(pack, PACK_HULLS);
   pack->blob_bytes = section_elements(pack, PACK_BLOBS);
@@ -213,6 +217,12 @@ scree_result scree_pack_get_lod(const scree_pack* pack, uint32_t asset, uint32_t
   return SCREE_OK;
 }
 
+pack_contact pack_read_contact(const scree_pack* pack, uint64_t index) {
+  if (!pack->narrow_contacts) return ((const pack_contact*)(const void*)pack->contacts)[index];
+  const pack_narrow_contact* from = (const pack_narrow_contact*)(const void*)pack->contacts + index;
+  return (pack_contact){{from->position[0], from->position[1], from->position[2]}, from->neighbour, from->seed};
+}
+
 scree_result scree_pack_get_contacts(const scree_pack* pack, uint32_t asset, scree_contact* contacts, uint32_t capacity,
                                      uint32_t* count) {
   if (pack == NULL || count == NULL || asset >= pack->asset_count || (contacts == NULL && capacity > 0))
@@ -223,12 +233,12 @@ scree_result scree_pack_get_contacts(const scree_pack* pack, uint32_t asset, scr
   *count = record->contact_count;
   const uint32_t copied = *count < capacity ? *count : capacity;
   for (uint32_t i = 0; i < copied; ++i) {
-    const pack_contact* from = &pack->contacts[record->first_contact + (size_t)i];
-    if (from->neighbour >= PACK_NEIGHBOURS || from->seed >= pack->header->max_rocks_per_cell) return SCREE_ERROR_CORRUPT;
+    const pack_contact from = pack_read_contact(pack, record->first_contact + (uint64_t)i);
+    if (from.neighbour >= PACK_NEIGHBOURS || from.seed >= pack->header->max_rocks_per_cell) return SCREE_ERROR_CORRUPT;
     contacts[i] = (scree_contact){
-        .position = {from->position[0], from->position[1], from->position[2]},
-        .cell = {(int8_t)(from->neighbour % 3 - 1), (int8_t)(from->neighbour / 3 % 3 - 1), (int8_t)(from->neighbour / 9 - 1)},
-        .seed = from->seed,
+        .position = {from.position[0], from.position[1], from.position[2]},
+        .cell = {(int8_t)(from.neighbour % 3 - 1), (int8_t)(from.neighbour / 3 % 3 - 1), (int8_t)(from.neighbour / 9 - 1)},
+        .seed = from.seed,
     };
   }
   return copied < *count ? SCREE_ERROR_CAPACITY : SCREE_OK;
@@ -242,7 +252,13 @@ scree_result scree_pack_get_hull(const scree_pack* pack, uint32_t asset, int16_t
   if (!range_fits(record->first_hull, record->hull_count, pack->hull_count)) return SCREE_ERROR_CORRUPT;
   *count = record->hull_count;
   const uint32_t copied = *count < capacity ? *count : capacity;
-  if (copied > 0) memcpy(xyz, pack->hulls + 3 * (size_t)record->first_hull, copied * 3 * sizeof(int16_t));
+  const size_t first = 3 * (size_t)record->first_hull;
+  if (pack->narrow_hulls) {
+    const int8_t* from = (const int8_t*)pack->hulls + first;
+    for (uint32_t i = 0; i < 3 * copied; ++i) xyz[i] = from[i];
+  } else if (copied > 0) {
+    memcpy(xyz, pack->hulls + first * sizeof(int16_t), copied * 3 * sizeof(int16_t));
+  }
   return copied < *count ? SCREE_ERROR_CAPACITY : SCREE_OK;
 }
 

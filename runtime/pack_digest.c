@@ -5,15 +5,15 @@
 #include <string.h>
 #include <xxhash.h>
 
-uint32_t pack_element_size(uint32_t kind) {
+uint32_t pack_element_size(uint32_t kind, bool narrow) {
   switch (kind) {
     case PACK_RECIPE: return 1;
     case PACK_TILES: return 4;
     case PACK_CELLS: return 4;
     case PACK_ASSETS: return sizeof(pack_asset);
     case PACK_LODS: return sizeof(pack_lod);
-    case PACK_CONTACTS: return sizeof(pack_contact);
-    case PACK_HULLS: return 3 * sizeof(int16_t);
+    case PACK_CONTACTS: return narrow ? sizeof(pack_narrow_contact) : sizeof(pack_contact);
+    case PACK_HULLS: return 3 * (narrow ? sizeof(int8_t) : sizeof(int16_t));
     case PACK_BLOB_INDEX: return sizeof(pack_blob);
     case PACK_BLOBS: return 1;
     default: return 0;

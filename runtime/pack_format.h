@@ -30,8 +30,8 @@ enum {
   PACK_CELLS = 3,      /* u32 first asset [cells + 1] */
   PACK_ASSETS = 4,     /* pack_asset [assets], by (cell, seed) */
   PACK_LODS = 5,       /* pack_lod [assets][lods] */
-  PACK_CONTACTS = 6,   /* pack_contact */
-  PACK_HULLS = 7,      /* i16 [3], lattice steps */
+  PACK_CONTACTS = 6,   /* pack_contact or pack_narrow_contact */
+  PACK_HULLS = 7,      /* i16 [3] or i8 [3], lattice steps */
   PACK_BLOB_INDEX = 8, /* pack_blob [assets][lods] */
   PACK_BLOBS = 9,      /* Draco bytes, each blob 4-byte aligned */
   PACK_SECTION_KINDS = 9,
@@ -49,7 +49,7 @@ enum {
   PACK_NEIGHBOURS = 27,
   PACK_BLOB_UNIT = 4,
   /* No blob of Draco packs triangles this tightly. The bound keeps a damaged count from asking the host for gigabytes. */
-  PACK_MAX_TRIANGLES_PER_BLOB_BYTE = 64
+  PACK_MAX_TRIANGLES_PER_BLOB_BYTE = 16
 };
 
 typedef struct pack_header {
@@ -101,6 +101,13 @@ typedef struct pack_contact {
   uint8_t seed;
 } pack_contact;
 
+/* Where all coordinates of all contacts fit into a byte, as they do on the usual lattices. */
+typedef struct pack_narrow_contact {
+  int8_t position[3];
+  uint8_t neighbour;
+  uint8_t seed;
+} pack_narrow_contact;
+
 typedef struct pack_blob {
   uint32_t offset;   /* in units of 4 bytes, from the start of the blobs: sections up to 16 GiB */
   uint32_t size;     /* bytes */
@@ -113,10 +120,11 @@ PACK_STATIC_ASSERT(section, sizeof(pack_section) == 32);
 PACK_STATIC_ASSERT(asset, sizeof(pack_asset) == 52);
 PACK_STATIC_ASSERT(lod, sizeof(pack_lod) == 16);
 PACK_STATIC_ASSERT(contact, sizeof(pack_contact) == 8);
+PACK_STATIC_ASSERT(narrow_contact, sizeof(pack_narrow_contact) == 5);
 PACK_STATIC_ASSERT(blob, sizeof(pack_blob) == 12);
 
-/* Bytes of one element of a kind, 0 for an unknown kind. */
-uint32_t pack_element_size(uint32_t kind);
+/* Bytes of one element of a kind, 0 for an unknown kind. narrow: of contacts and hulls with coordinates of one byte. */
+uint32_t pack_element_size(uint32_t kind, bool narrow);
 
 /* XXH3-64 of `size` bytes, seed 0. */
 uint64_t pack_bytes_digest(const void* bytes, size_t size);

@@ -22,8 +22,8 @@ struct scree_pack {
   const uint32_t* cells;
   const pack_asset* assets;
   const pack_lod* lods;
-  const pack_contact* contacts;
-  const int16_t* hulls;
+  const uint8_t* contacts; /* of either width, see pack_read_contact() */
+  const uint8_t* hulls;
   const pack_blob* blob_index;
   const uint8_t* blobs;
 
@@ -32,6 +32,10 @@ struct scree_pack {
   uint64_t contact_count;
   uint64_t hull_count; /* vertices */
   uint64_t blob_bytes;
+  bool narrow_contacts, narrow_hulls;
 };
+
+/* The contact at an index below contact_count, as it is stored: neighbour and seed are not checked. */
+pack_contact pack_read_contact(const scree_pack* pack, uint64_t index);
 
 #endif

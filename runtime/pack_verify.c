@@ -43,8 +43,8 @@ static scree_result verify_asset(const scree_pack* pack, uint32_t asset) {
     result = scree_pack_get_lod(pack, asset, lod, &level);
   }
   for (uint32_t i = 0; result == SCREE_OK && i < record.contact_count; ++i) {
-    const pack_contact* contact = &pack->contacts[pack->assets[asset].first_contact + (size_t)i];
-    if (contact->neighbour >= PACK_NEIGHBOURS || contact->seed >= pack->header->max_rocks_per_cell) result = SCREE_ERROR_CORRUPT;
+    const pack_contact contact = pack_read_contact(pack, pack->assets[asset].first_contact + (uint64_t)i);
+    if (contact.neighbour >= PACK_NEIGHBOURS || contact.seed >= pack->header->max_rocks_per_cell) result = SCREE_ERROR_CORRUPT;
   }
   return result;
 }

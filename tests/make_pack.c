@@ -9,7 +9,7 @@
 #include "lattice.h"
 #include "pack_format.h"
 #include "pack_writer.h"
-#include "rock_mesh.h"
+#include "synthetic_rock.h"
 
 #define TEST_RECIPE "{\"name\": \"test\", \"note\": \"not baked\"}"
 
@@ -74,13 +74,13 @@ static void fill_contacts(uint64_t seed, rock_record* rock) {
 static void fill_rock(uint64_t seed, const test_pack_desc* desc, rock_record* rock) {
   for (uint32_t lod = 0; lod < desc->lod_count; ++lod) {
     lattice_mesh mesh;
-    rock_mesh_make(seed, desc->voxels_per_cell, 4, lod + 1, &mesh);
+    synthetic_rock_make(seed, desc->voxels_per_cell, 4, lod + 1, &mesh);
     if (lod == 0) {
       fill_hull(&mesh, rock);
       fill_bounds(&mesh, rock);
     }
     if (draco_encode(&mesh, NULL, &rock->lods[lod]) != SCREE_OK) abort();
-    rock_mesh_free(&mesh);
+    synthetic_rock_free(&mesh);
   }
   fill_contacts(seed, rock);
   for (int axis = 0; axis < 3; ++axis) rock->centroid[axis] = (float)(hash_mix(seed * 3 + (uint64_t)axis) % 101) / 1000.0f;

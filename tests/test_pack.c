@@ -376,7 +376,7 @@ static void sections_past_the_end_misplaced_doubled_or_missing_are_rejected(void
 
   *blobs = kept;
   blobs->kind = PACK_HULLS;
-  blobs->element_size = 6;
+  blobs->element_size = 3;
   header_of(bytes)->table_digest = pack_bytes_digest(section_of(bytes, 1), PACK_SECTION_KINDS * sizeof(pack_section));
   header_of(bytes)->header_check = pack_header_check(header_of(bytes));
   assert_int_equal(scree_pack_open_memory(bytes, size, NULL, &pack), SCREE_ERROR_CORRUPT);
@@ -396,11 +396,11 @@ static void records_that_cannot_be_are_refused_where_they_are_read(void** state)
   pack_asset* asset = data_of(bytes, PACK_ASSETS);
   pack_lod* lod = data_of(bytes, PACK_LODS);
   pack_blob* blob = data_of(bytes, PACK_BLOB_INDEX);
-  pack_contact* contact = data_of(bytes, PACK_CONTACTS);
+  pack_narrow_contact* contact = data_of(bytes, PACK_CONTACTS);
   uint32_t* tiles = data_of(bytes, PACK_TILES);
   uint32_t* cells = data_of(bytes, PACK_CELLS);
   const uint32_t contacts = (uint32_t)(section_of(bytes, PACK_CONTACTS)->size / sizeof *contact);
-  const uint32_t hull_vertices = (uint32_t)(section_of(bytes, PACK_HULLS)->size / 6);
+  const uint32_t hull_vertices = (uint32_t)(section_of(bytes, PACK_HULLS)->size / 3);
   const uint32_t blob_units = (uint32_t)(section_of(bytes, PACK_BLOBS)->size / PACK_BLOB_UNIT);
   scree_pack* pack = open_or_fail(bytes, size);
   scree_asset a;

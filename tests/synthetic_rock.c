@@ -1,4 +1,4 @@
-#include "rock_mesh.h"
+#include "synthetic_rock.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -120,7 +120,8 @@ static void net_quads(const net* grid, lattice_mesh* out) {
         }
 }
 
-void rock_mesh_make(uint64_t seed, uint32_t voxels_per_cell, uint32_t steps_per_voxel, uint32_t coarsening, lattice_mesh* out) {
+void synthetic_rock_make(uint64_t seed, uint32_t voxels_per_cell, uint32_t steps_per_voxel, uint32_t coarsening,
+                         lattice_mesh* out) {
   const rock_shape shape = make_shape(seed);
   const double spacing = (double)coarsening / voxels_per_cell;
   const uint32_t half = (uint32_t)ceil(0.8 / spacing) + 1;
@@ -160,7 +161,7 @@ void rock_mesh_make(uint64_t seed, uint32_t voxels_per_cell, uint32_t steps_per_
   free(grid.vertex_of);
 }
 
-void rock_mesh_free(lattice_mesh* mesh) {
+void synthetic_rock_free(lattice_mesh* mesh) {
   free(mesh->positions);
   free(mesh->occlusion);
   free(mesh->indices);

@@ -1,0 +1,249 @@
+#!/usr/bin/python3
+"""A second reader of packs, written from docs/pack_format.md and from nothing else.
+
+usage: pack_reader.py PACK.scree [--info SCREE-INFO]
+
+Reads and checks a pack; with --info also compares what it read with what `SCREE-INFO --json PACK` says. Exits with 1 and one line
+for the first rule or number that does not hold. Needs python3-xxhash."""
+
+import json
+import math
+import struct
+import subprocess
+import sys
+
+try:
+    import xxhash
+except ImportError:
+    print("skipped: python3-xxhash is not installed")
+    sys.exit(77)
+
+MAGIC = bytes([0x89, 0x53, 0x43, 0x52, 0x0D, 0x0A, 0x1A, 0x0A])
+RECIPE, TILES, CELLS, ASSETS, LODS, CONTACTS, HULLS, BLOB_INDEX, BLOBS = range(1, 10)
+ELEMENT_SIZES = {
+    RECIPE: [1], TILES: [4], CELLS: [4], ASSETS: [52], LODS: [16], CONTACTS: [8, 5], HULLS: [6, 3], BLOB_INDEX: [12], BLOBS: [1]
+}
+NAMES = ["recipe", "tiles", "cells", "assets", "lods", "contacts", "hulls", "blob_index", "blobs"]
+
+
+class Corrupt(Exception):
+    pass
+
+
+def check(condition, what):
+    if not condition:
+        raise Corrupt(what)
+
+
+def xxh3(data):
+    return xxhash.xxh3_64_intdigest(data)
+
+
+def mesh_digest(positions, occlusion, triangles):
+    keys = [x & 0xFFFF | (y & 0xFFFF) << 16 | (z & 0xFFFF) << 32 | o << 48 for (x, y, z), o in zip(positions, occlusion)]
+    total = 0
+    for a, b, c in triangles:
+        a, b, c = keys[a], keys[b], keys[c]
+        total += xxh3(struct.pack("<3Q", *min((a, b, c), (b, c, a), (c, a, b))))
+    return xxh3(struct.pack("<QQ", total % 2**64, len(triangles)))
+
+
+class Pack:
+    def __init__(self, data):
+        self.data = data
+        self.read_header()
+        self.read_sections()
+        self.read_tables()
+        self.read_assets()
+
+    def read_header(self):
+        data = self.data
+        check(len(data) >= 64, "file is shorter than its header")
+        check(data[:8] == MAGIC, "magic")
+        self.format_version, self.section_count, self.file_size = struct.unpack_from("<IIQ", data, 8)
+        check(self.format_version == 1, "format version")
+        (check_value,) = struct.unpack_from("<I", data, 60)
+        check(check_value == xxh3(data[:60]) & 0xFFFFFFFF, "header check")
+        check(self.file_size == len(data), "file size")
+        self.table_digest, self.digest = struct.unpack_from("<QQ", data, 24)
+        fields = struct.unpack_from("<IIIIf", data, 40)
+        self.cells_per_cube, self.lattice_per_cell, self.lod_count, self.max_rocks_per_cell, self.max_radius = fields
+        check(9 <= self.section_count <= 64, "section count")
+        check(1 <= self.cells_per_cube <= 16, "cells per cube")
+        check(1 <= self.lattice_per_cell <= 4096, "lattice per cell")
+        check(1 <= self.lod_count <= 8, "lod count")
+        check(1 <= self.max_rocks_per_cell <= 255, "rocks per cell")
+        check(0 < self.max_radius <= 16, "largest radius")
+
+    def read_sections(self):
+        data = self.data
+        end = 64 + 32 * self.section_count
+        check(end <= len(data), "section table past the end")
+        check(xxh3(data[64:end]) == self.table_digest, "section table digest")
+        self.sections, self.element_size, digests = {}, {}, {}
+        for i in range(self.section_count):
+            kind, element_size, offset, size, digest = struct.unpack_from("<IIQQQ", data, 64 + 32 * i)
+            check(offset == (end + 63) // 64 * 64, f"offset of section {i}")
+            check(offset + size <= len(data), f"section {i} past the end")
+            check(not any(data[end:offset]), f"padding before section {i}")
+            check(element_size > 0 and size % element_size == 0, f"size of section {i}")
+            end = offset + size
+            content = data[offset:end]
+            check(xxh3(content) == digest, f"digest of section {i}")
+            if kind not in ELEMENT_SIZES:
+                continue
+            check(element_size in ELEMENT_SIZES[kind] and kind not in self.sections, f"kind of section {i}")
+            self.sections[kind], self.element_size[kind], digests[kind] = content, element_size, digest
+        check(end == len(data), "bytes after the last section")
+        check(len(self.sections) == len(ELEMENT_SIZES), "a section is missing")
+        canonical = data[40:60] + b"".join(struct.pack("<Q", digests[kind]) for kind in range(RECIPE, HULLS + 1))
+        check(xxh3(canonical) == self.digest, "pack digest")
+
+    def elements(self, kind):
+        return len(self.sections[kind]) // self.element_size[kind]
+
+    def read_tables(self):
+        recipe = self.sections[RECIPE]
+        check(recipe[-1:] == b"\0" and recipe.count(b"\0") == 1, "end of the recipe")
+        self.recipe = json.loads(recipe[:-1].decode("utf-8"))
+        n = self.cells_per_cube
+        self.cell_count = self.elements(CELLS) - 1
+        self.asset_count = self.elements(ASSETS)
+        check(self.cell_count >= 1 and self.asset_count >= 1, "counts")
+        check(self.elements(TILES) == 256 * n**3, "size of the tiles")
+        self.tiles = struct.unpack(f"<{self.elements(TILES)}I", self.sections[TILES])
+        check(max(self.tiles) < self.cell_count, "a tile names a cell that is not there")
+        self.first_asset = struct.unpack(f"<{self.cell_count + 1}I", self.sections[CELLS])
+        check(self.first_asset[0] == 0 and self.first_asset[-1] == self.asset_count, "ends of the cells")
+        for a, b in zip(self.first_asset, self.first_asset[1:]):
+            check(a <= b <= a + self.max_rocks_per_cell, "rocks of a cell")
+        for kind in (LODS, BLOB_INDEX):
+            check(self.elements(kind) == self.asset_count * self.lod_count, f"size of section {kind}")
+
+    def read_assets(self):
+        names = "cell first_contact first_hull contact_count hull_count seed".split()
+        self.assets = []
+        for values in struct.iter_unpack("<IIIHBB6h6f", self.sections[ASSETS]):
+            asset = dict(zip(names, values[:6]))
+            asset["bounds_min"], asset["bounds_max"] = values[6:9], values[9:12]
+            asset["centroid"] = values[12:15]
+            asset["volume"], asset["inner_radius"], asset["outer_radius"] = values[15:18]
+            self.assets.append(asset)
+        self.lods = list(struct.iter_unpack("<QIf", self.sections[LODS]))
+        layout = "<3hBB" if self.element_size[CONTACTS] == 8 else "<3bBB"
+        self.contacts = list(struct.iter_unpack(layout, self.sections[CONTACTS]))
+        self.blob_index = list(struct.iter_unpack("<III", self.sections[BLOB_INDEX]))
+        for number, asset in enumerate(self.assets):
+            self.check_asset(number, asset)
+
+    def check_asset(self, number, asset):
+        name = f"asset {number}: "
+        check(asset["cell"] < self.cell_count, name + "cell")
+        check(self.first_asset[asset["cell"]] + asset["seed"] == number, name + "seed")
+        check(number < self.first_asset[asset["cell"] + 1], name + "seed")
+        check(asset["first_contact"] + asset["contact_count"] <= len(self.contacts), name + "contacts")
+        check(4 <= asset["hull_count"] <= 64, name + "hull count")
+        check(asset["first_hull"] + asset["hull_count"] <= self.elements(HULLS), name + "hull")
+        for low, high, centre in zip(asset["bounds_min"], asset["bounds_max"], asset["centroid"]):
+            check(low <= high and -16 <= centre <= 16, name + "bounds or centroid")
+        check(0 <= asset["volume"] <= 8 * self.max_radius**3, name + "volume")
+        check(0 < asset["outer_radius"] <= self.max_radius, name + "outer radius")
+        check(0 <= asset["inner_radius"] <= asset["outer_radius"], name + "inner radius")
+        previous = (-1, -1)
+        for contact in self.contacts_of(asset):
+            check(contact[3] < 27 and contact[4] < self.max_rocks_per_cell, name + "contact")
+            check(previous < contact[3:5], name + "order of contacts")
+            previous = contact[3:5]
+        for lod in range(self.lod_count):
+            _, triangles, error = self.lods[number * self.lod_count + lod]
+            offset, size, vertices = self.blob_index[number * self.lod_count + lod]
+            check(4 * offset + size <= len(self.sections[BLOBS]), name + "blob")
+            check(triangles <= 16 * size and vertices <= 3 * triangles, name + "triangles")
+            check(0 <= error <= 16, name + "error")
+            blob = self.sections[BLOBS][4 * offset : 4 * offset + size]
+            # Draco's own header: magic, version, geometry type (1 = mesh).
+            check(triangles == 0 or blob[:8] == b"DRACO\x02\x02\x01", name + "no Draco bytes")
+
+    def contacts_of(self, asset):
+        return self.contacts[asset["first_contact"] : asset["first_contact"] + asset["contact_count"]]
+
+    def hull_of(self, asset):
+        size = self.element_size[HULLS]
+        begin, end = size * asset["first_hull"], size * (asset["first_hull"] + asset["hull_count"])
+        return list(struct.iter_unpack("<3h" if size == 6 else "<3b", self.sections[HULLS][begin:end]))
+
+
+def same(name, mine, theirs):
+    """Numbers of scree-info are printed so that they read back as the same float."""
+    if isinstance(mine, (list, tuple)):
+        check(len(mine) == len(theirs), f"{name}: {len(mine)} values here, {len(theirs)} in scree-info")
+        for i, (a, b) in enumerate(zip(mine, theirs)):
+            same(f"{name}[{i}]", a, b)
+    elif isinstance(mine, float):
+        check(mine == struct.unpack("<f", struct.pack("<f", theirs))[0], f"{name}: {mine} here, {theirs} in scree-info")
+    else:
+        check(mine == theirs, f"{name}: {mine} here, {theirs} in scree-info")
+
+
+def compare(pack, info):
+    for name in "format_version file_size cells_per_cube lattice_per_cell lod_count max_rocks_per_cell max_radius".split():
+        same(name, getattr(pack, name), info[name])
+    same("digest", f"{pack.digest:016x}", info["digest"])
+    same("cells", pack.cell_count, info["cells"])
+    same("assets", pack.asset_count, info["assets"])
+    same("recipe", json.dumps(pack.recipe, sort_keys=True), json.dumps(info["recipe"], sort_keys=True))
+    for kind, name in enumerate(NAMES, 1):
+        same(f"sections.{name}", len(pack.sections[kind]), info["sections"][name])
+    same("contacts", len(pack.contacts), info["contacts"])
+    for lod in range(pack.lod_count):
+        triangles = [pack.lods[i][1] for i in range(lod, len(pack.lods), pack.lod_count)]
+        blobs = [pack.blob_index[i] for i in range(lod, len(pack.lods), pack.lod_count)]
+        same(f"lods[{lod}].triangles", sum(triangles), info["lods"][lod]["triangles"])
+        same(f"lods[{lod}].vertices", sum(blob[2] for blob in blobs), info["lods"][lod]["vertices"])
+        same(f"lods[{lod}].bytes", sum(blob[1] for blob in blobs), info["lods"][lod]["bytes"])
+    check(len(info["examples"]) >= 1, "scree-info shows no examples")
+    scale = lambda steps: [struct.unpack("<f", struct.pack("<f", v / pack.lattice_per_cell))[0] for v in steps]
+    for example in info["examples"]:
+        number = example["asset"]
+        asset = pack.assets[number]
+        name = f"examples[asset {number}]."
+        for key in ("cell", "seed", "volume", "inner_radius", "outer_radius", "centroid"):
+            same(name + key, asset[key], example[key])
+        same(name + "bounds_min", scale(asset["bounds_min"]), example["bounds_min"])
+        same(name + "bounds_max", scale(asset["bounds_max"]), example["bounds_max"])
+        contacts = [[*c[:3], c[3] % 3 - 1, c[3] // 3 % 3 - 1, c[3] // 9 - 1, c[4]] for c in pack.contacts_of(asset)]
+        same(name + "contacts", contacts, example["contacts"])
+        same(name + "hull", pack.hull_of(asset), example["hull"])
+        for lod, level in enumerate(example["lods"]):
+            digest, triangles, error = pack.lods[number * pack.lod_count + lod]
+            _, size, vertices = pack.blob_index[number * pack.lod_count + lod]
+            same(name + "digest", f"{digest:016x}", level["digest"])
+            same(name + "lod", [triangles, vertices, size], [level["triangles"], level["vertices"], level["bytes"]])
+            same(name + "error", error, level["error"])
+
+
+def main():
+    arguments = sys.argv[1:]
+    info_program = None
+    if len(arguments) == 3 and arguments[1] == "--info":
+        info_program = arguments[2]
+    elif len(arguments) != 1:
+        sys.exit(__doc__)
+    path = arguments[0]
+    try:
+        corners = [(0, 0, 0), (10, 0, 0), (0, 10, 0), (0, 0, 10)]
+        example = mesh_digest(corners, [0, 85, 170, 255], [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)])
+        check(example == 0x87865A563AD6A90A, "the example of the digest of a mesh")
+        with open(path, "rb") as file:
+            pack = Pack(file.read())
+        if info_program:
+            output = subprocess.run([info_program, "--json", path], check=True, stdout=subprocess.PIPE).stdout
+            compare(pack, json.loads(output))
+    except (Corrupt, OSError) as fault:
+        sys.exit(f"{path}: {fault}")
+    volume = math.fsum(asset["volume"] for asset in pack.assets) / pack.asset_count
+    print(f"{path}: {pack.asset_count} assets, digest {pack.digest:016x}, mean volume {volume:.3f} cubic cells")
+
+
+if __name__ == "__main__":
+    main()
