@@ -1,0 +1,787 @@
+/* Supports: distances against plain formulas in double, their Lipschitz bounds, mesh grids against brute force, every error. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "random_support.h"
+#include "support_program.h"
+
+static scree_support* must_create(const scree_support_desc* desc) {
+  scree_support* support;
+  scree_error error;
+  if (scree_support_create(desc, NULL, &support, &error) != SCREE_OK) fail_msg("%s", error.message);
+  return support;
+}
+
+static scree_support* one_shape(const scree_shape* shape) {
+  return must_create(&(scree_support_desc){.shapes = shape, .shape_count = 1});
+}
+
+static double distance_at(const scree_support* support, const double p[3]) {
+  float x = (float)p[0], y = (float)p[1], z = (float)p[2], d;
+  scree_support_distance(support, &x, &y, &z, &d, 1);
+  return (double)d;
+}
+
+static void random_point(random_stream* r, double reach, double p[3]) {
+  for (int a = 0; a < 3; ++a) p[a] = (double)(float)random_in(r, -reach, reach);
+}
+
+static double length(double x, double y, double z) {
+  return sqrt(x * x + y * y + z * z);
+}
+static double larger(double a, double b) {
+  return a > b ? a : b;
+}
+static double smaller(double a, double b) {
+  return a < b ? a : b;
+}
+
+/* From the root's space into a shape's: the transform undone step by step. */
+static void undo(const scree_transform* t, const double p[3], double out[3]) {
+  double q[4], s = t->scale == 0 ? 1 : (double)t->scale, v[3], norm = 0;
+  for (int a = 0; a < 4; ++a) {
+    q[a] = (double)t->rotation[a];
+    norm += q[a] * q[a];
+  }
+  if (norm == 0) q[3] = 1;
+  for (int a = 0; a < 3; ++a) v[a] = p[a] - (double)t->translation[a];
+  /* v' = v + 2 w (u x v) + 2 u x (u x v), with u the negated axis: the rotation backwards */
+  double u[3] = {-q[0], -q[1], -q[2]}, c[3], cc[3];
+  for (int a = 0; a < 3; ++a) c[a] = u[(a + 1) % 3] * v[(a + 2) % 3] - u[(a + 2) % 3] * v[(a + 1) % 3];
+  for (int a = 0; a < 3; ++a) cc[a] = u[(a + 1) % 3] * c[(a + 2) % 3] - u[(a + 2) % 3] * c[(a + 1) % 3];
+  for (int a = 0; a < 3; ++a) out[a] = (v[a] + 2 * q[3] * c[a] + 2 * cc[a]) / s;
+}
+
+/* The distance of a flat profile in the half plane (r, y), r >= 0, to a convex polygon given counter-clockwise. */
+static double profile_distance(double r, double y, const double (*corner)[2], int count) {
+  double best = 1e300;
+  bool inside = true;
+  for (int i = 0; i < count; ++i) {
+    const double *a = corner[i], *b = corner[(i + 1) % count];
+    double ex = b[0] - a[0], ey = b[1] - a[1], px = r - a[0], py = y - a[1];
+    if (ex * py - ey * px < 0) inside = false;
+    if (a[0] == 0 && b[0] == 0) continue; /* the axis is no surface */
+    double t = (px * ex + py * ey) / (ex * ex + ey * ey);
+    t = t < 0 ? 0 : t > 1 ? 1 : t;
+    best = smaller(best, length(px - t * ex, py - t * ey, 0));
+  }
+  return inside ? -best : best;
+}
+
+static double true_distance(const scree_shape* s, const double p[3]) {
+  double q[3], scale = s->transform.scale == 0 ? 1 : (double)s->transform.scale;
+  undo(&s->transform, p, q);
+  switch (s->kind) {
+    case SCREE_SHAPE_SPHERE: return scale * (length(q[0], q[1], q[2]) - (double)s->sphere.radius);
+    case SCREE_SHAPE_BOX: {
+      double outside[3], deepest = -1e300, rounding = (double)s->box.rounding;
+      for (int a = 0; a < 3; ++a) {
+        double d = fabs(q[a]) - ((double)s->box.half[a] - rounding);
+        outside[a] = larger(d, 0);
+        deepest = larger(deepest, d);
+      }
+      return scale * (length(outside[0], outside[1], outside[2]) + smaller(deepest, 0) - rounding);
+    }
+    case SCREE_SHAPE_CAPSULE: {
+      double best = 1e300; /* the segment, by ternary search: nothing in common with the formula under test */
+      double low = 0, high = 1;
+      for (int i = 0; i < 200; ++i) {
+        double third[2] = {low + (high - low) / 3, high - (high - low) / 3}, d[2];
+        for (int k = 0; k < 2; ++k) {
+          double v[3];
+          for (int a = 0; a < 3; ++a)
+            v[a] = q[a] - ((double)s->capsule.a[a] + third[k] * ((double)s->capsule.b[a] - (double)s->capsule.a[a]));
+          d[k] = length(v[0], v[1], v[2]);
+        }
+        if (d[0] < d[1])
+          high = third[1];
+        else
+          low = third[0];
+        best = smaller(best, smaller(d[0], d[1]));
+      }
+      return scale * (best - (double)s->capsule.radius);
+    }
+    case SCREE_SHAPE_CYLINDER: {
+      double r = (double)s->cylinder.radius, h = (double)s->cylinder.half_height;
+      const double corners[4][2] = {{0, -h}, {r, -h}, {r, h}, {0, h}};
+      return scale * profile_distance(length(q[0], q[2], 0), q[1], corners, 4);
+    }
+    default: {
+      double r = (double)s->cone.radius, h = (double)s->cone.height;
+      const double corners[3][2] = {{0, 0}, {r, 0}, {0, h}};
+      return scale * profile_distance(length(q[0], q[2], 0), q[1], corners, 3);
+    }
+  }
+}
+
+static void round_shapes_have_their_true_distance(void** state) {
+  (void)state;
+  random_stream r = {1};
+  random_support s;
+  for (int round = 0; round < 60; ++round) {
+    random_leaf(&s, &r, (scree_shape_kind)(round % 5), 10);
+    scree_support* support = must_create(&s.desc);
+    for (int i = 0; i < 200; ++i) {
+      double p[3];
+      random_point(&r, 15, p);
+      double expected = true_distance(s.desc.shapes, p), found = distance_at(support, p);
+      if (fabs(found - expected) > 2e-5) fail_msg("kind %d: %g, expected %g", (int)s.desc.shapes[0].kind, found, expected);
+    }
+    scree_support_destroy(support);
+  }
+}
+
+/* The layer's sign is exact; its distance is the vertical one, scaled down so that it is never too large. */
+static void heightfield_is_a_layer_between_two_surfaces(void** state) {
+  (void)state;
+  random_stream r = {2};
+  random_support s;
+  for (int round = 0; round < 30; ++round) {
+    random_leaf(&s, &r, SCREE_SHAPE_HEIGHTFIELD, 10);
+    memset(&s.shapes[0].transform, 0, sizeof s.shapes[0].transform);
+    const scree_shape* f = &s.shapes[0];
+    scree_support* support = must_create(&s.desc);
+    double spacing = (double)f->heightfield.spacing, width = (f->heightfield.width - 1) * spacing,
+           depth = (f->heightfield.depth - 1) * spacing;
+    for (int i = 0; i < 300; ++i) {
+      double p[3] = {random_in(&r, -0.5, 0.5) * width, random_in(&r, -8, 12), random_in(&r, -0.5, 0.5) * depth};
+      double u = (p[0] + width / 2) / spacing, v = (p[2] + depth / 2) / spacing;
+      uint32_t iu = (uint32_t)u, iv = (uint32_t)v;
+      const float* h = f->heightfield.heights + iv * f->heightfield.width + iu;
+      double fu = u - iu, fv = v - iv, a = (double)h[0] + fu * ((double)h[1] - (double)h[0]);
+      h += f->heightfield.width;
+      double b = (double)h[0] + fu * ((double)h[1] - (double)h[0]), y = p[1] - (a + fv * (b - a));
+      double vertical = larger(y - (double)f->heightfield.above, -(double)f->heightfield.below - y);
+      double side = larger(fabs(p[0]) - width / 2, fabs(p[2]) - depth / 2), found = distance_at(support, p);
+      if (fabs(vertical) < 1e-4 || fabs(side) < 1e-4) continue;
+      assert_true((found < 0) == (vertical < 0));
+      assert_true(fabs(found) <= fabs(larger(vertical, side)) + 1e-4);
+      double slope_scale = (double)support->heights[0].cosine;
+      if (found > side + 1e-4) assert_true(fabs(found - vertical * slope_scale) < 1e-4);
+    }
+    scree_support_destroy(support);
+  }
+}
+
+static void groups_combine_the_distances_of_their_children(void** state) {
+  (void)state;
+  random_stream r = {3};
+  const uint32_t children[3] = {1, 2, 3};
+  for (int round = 0; round < 40; ++round) {
+    scree_shape shapes[4];
+    memset(shapes, 0, sizeof shapes);
+    scree_shape_kind kind = (scree_shape_kind)(SCREE_SHAPE_UNION + round % 4);
+    shapes[0] = (scree_shape){.kind = kind, .group = {children, 3, (float)random_in(&r, 0.1, 4)}};
+    scree_support* alone[3];
+    for (int i = 1; i < 4; ++i) {
+      shapes[i].kind = SCREE_SHAPE_SPHERE;
+      shapes[i].sphere.radius = (float)random_in(&r, 1, 5);
+      for (int a = 0; a < 3; ++a) shapes[i].transform.translation[a] = (float)random_in(&r, -4, 4);
+      alone[i - 1] = one_shape(&shapes[i]);
+    }
+    scree_support* together = must_create(&(scree_support_desc){.shapes = shapes, .shape_count = 4});
+    for (int i = 0; i < 200; ++i) {
+      double p[3], d[3];
+      random_point(&r, 10, p);
+      for (int k = 0; k < 3; ++k) d[k] = distance_at(alone[k], p);
+      double expected = d[0], blend = (double)shapes[0].group.blend;
+      for (int k = 1; k < 3; ++k) {
+        double h = larger(blend - fabs(expected - d[k]), 0) / blend;
+        expected = kind == SCREE_SHAPE_UNION          ? smaller(expected, d[k])
+                   : kind == SCREE_SHAPE_INTERSECTION ? larger(expected, d[k])
+                   : kind == SCREE_SHAPE_DIFFERENCE   ? larger(expected, -d[k])
+                                                      : smaller(expected, d[k]) - h * h * blend / 4;
+      }
+      assert_true(fabs(distance_at(together, p) - expected) < 1e-5);
+    }
+    scree_support_destroy(together);
+    for (int k = 0; k < 3; ++k) scree_support_destroy(alone[k]);
+  }
+}
+
+/* A group's transform moves its children, and scales its blend with them. */
+static void transforms_of_groups_reach_their_children(void** state) {
+  (void)state;
+  random_stream r = {4};
+  const uint32_t children[2] = {1, 2};
+  for (int round = 0; round < 20; ++round) {
+    scree_shape shapes[3];
+    memset(shapes, 0, sizeof shapes);
+    shapes[0] = (scree_shape){.kind = SCREE_SHAPE_SMOOTH_UNION, .group = {children, 2, 2}};
+    shapes[1] = (scree_shape){.kind = SCREE_SHAPE_BOX, .box = {{3, 1, 2}, 0.25f}};
+    shapes[2] = (scree_shape){.kind = SCREE_SHAPE_CONE, .cone = {2, 3}};
+    random_rotation(&r, shapes[1].transform.rotation);
+    shapes[2].transform.translation[1] = 2;
+    scree_support* still = must_create(&(scree_support_desc){.shapes = shapes, .shape_count = 3});
+    scree_transform* t = &shapes[0].transform;
+    random_rotation(&r, t->rotation);
+    t->scale = (float)random_in(&r, 0.25, 4);
+    for (int a = 0; a < 3; ++a) t->translation[a] = (float)random_in(&r, -10, 10);
+    scree_support* moved = must_create(&(scree_support_desc){.shapes = shapes, .shape_count = 3});
+    for (int i = 0; i < 100; ++i) {
+      double p[3], q[3];
+      random_point(&r, 15, p);
+      undo(t, p, q);
+      assert_true(fabs(distance_at(moved, p) - (double)t->scale * distance_at(still, q)) < 1e-4);
+    }
+    scree_support_destroy(still);
+    scree_support_destroy(moved);
+  }
+}
+
+/* What the walk relies on: over any two points, and for trees as a whole over their leaves' largest bound. */
+static void no_distance_changes_faster_than_its_bound(void** state) {
+  (void)state;
+  random_stream r = {5};
+  static random_support s;
+  for (int round = 0; round < 120; ++round) {
+    if (round < 80)
+      random_leaf(&s, &r, (scree_shape_kind)(round % 8), 10);
+    else
+      random_tree(&s, &r, 2 + random_below(&r, 20), 10);
+    scree_support* support = must_create(&s.desc);
+    double bound = 0;
+    for (uint32_t i = 0; i < support->op_count; ++i) bound = larger(bound, (double)support->ops[i].lipschitz);
+    for (int i = 0; i < 1500; ++i) {
+      double p[3], q[3], apart = random_below(&r, 2) ? 0.3 : 10;
+      random_point(&r, 20, p);
+      for (int a = 0; a < 3; ++a) q[a] = (double)(float)(p[a] + random_in(&r, -apart, apart));
+      double moved = length(p[0] - q[0], p[1] - q[1], p[2] - q[2]),
+             change = fabs(distance_at(support, p) - distance_at(support, q));
+      if (change > bound * moved + 1e-4) fail_msg("round %d: changes by %g over %g", round, change, moved);
+    }
+    scree_support_destroy(support);
+  }
+}
+
+/* Whoever is asked together with whom, in batches of any size, and in any lane. */
+static void distances_do_not_depend_on_the_company_of_a_point(void** state) {
+  (void)state;
+  random_stream r = {6};
+  static random_support s;
+  for (int round = 0; round < 20; ++round) {
+    random_tree(&s, &r, 12, 10);
+    scree_support* support = must_create(&s.desc);
+    float x[300], y[300], z[300], together[300], alone;
+    for (int i = 0; i < 300; ++i) {
+      x[i] = (float)random_in(&r, -15, 15);
+      y[i] = (float)random_in(&r, -15, 15);
+      z[i] = (float)random_in(&r, -15, 15);
+    }
+    scree_support_distance(support, x, y, z, together, 300);
+    for (int i = 0; i < 300; ++i) {
+      scree_support_distance(support, &x[i], &y[i], &z[i], &alone, 1);
+      assert_memory_equal(&alone, &together[i], sizeof alone);
+    }
+    scree_support_destroy(support);
+  }
+}
+
+static void nothing_of_a_support_lies_outside_its_bounds(void** state) {
+  (void)state;
+  random_stream r = {7};
+  static random_support s;
+  for (int round = 0; round < 60; ++round) {
+    random_tree(&s, &r, 1 + random_below(&r, 12), 10);
+    for (int a = 0; a < 3; ++a) s.desc.origin[a] = random_in(&r, -100, 100);
+    scree_support* support = must_create(&s.desc);
+    double min[3], max[3], low[3], high[3];
+    scree_support_bounds(support, min, max);
+    double level = random_in(&r, 0, 3);
+    bool some = support_level_bounds(support, level, low, high);
+    for (int i = 0; i < 2000; ++i) {
+      double p[3];
+      random_point(&r, 25, p);
+      double d = distance_at(support, p);
+      for (int a = 0; a < 3; ++a) {
+        if (d <= 0) assert_true(p[a] + s.desc.origin[a] >= min[a] && p[a] + s.desc.origin[a] <= max[a]);
+        if (d <= level) assert_true(some && p[a] >= low[a] && p[a] <= high[a]);
+      }
+    }
+    scree_support_destroy(support);
+  }
+}
+
+/* --- meshes ---------------------------------------------------------------------------------------------------------------- */
+
+static double segment_distance(const double p[3], const double a[3], const double b[3]) {
+  double ab[3], ap[3], dot = 0, length2 = 0;
+  for (int k = 0; k < 3; ++k) {
+    ab[k] = b[k] - a[k];
+    ap[k] = p[k] - a[k];
+    dot += ab[k] * ap[k];
+    length2 += ab[k] * ab[k];
+  }
+  double t = length2 > 0 ? larger(0, smaller(1, dot / length2)) : 0;
+  return length(ap[0] - t * ab[0], ap[1] - t * ab[1], ap[2] - t * ab[2]);
+}
+
+/* Distance and winding number (solid angles) by going over all triangles. */
+static double brute_mesh(const scree_shape* s, const double p[3], double* winding) {
+  double best = 1e300, angle = 0;
+  for (uint32_t t = 0; t < s->mesh.triangle_count; ++t) {
+    double c[3][3], v[3][3], l[3], n[3], dots[3];
+    for (int k = 0; k < 3; ++k)
+      for (int a = 0; a < 3; ++a) {
+        c[k][a] = (double)s->mesh.positions[3 * s->mesh.indices[3 * t + k] + a];
+        v[k][a] = c[k][a] - p[a];
+      }
+    for (int k = 0; k < 3; ++k) {
+      best = smaller(best, segment_distance(p, c[k], c[(k + 1) % 3]));
+      l[k] = length(v[k][0], v[k][1], v[k][2]);
+      dots[k] = v[k][0] * v[(k + 1) % 3][0] + v[k][1] * v[(k + 1) % 3][1] + v[k][2] * v[(k + 1) % 3][2];
+    }
+    double e[3], f[3];
+    for (int a = 0; a < 3; ++a) {
+      e[a] = c[1][a] - c[0][a];
+      f[a] = c[2][a] - c[0][a];
+    }
+    for (int a = 0; a < 3; ++a) n[a] = e[(a + 1) % 3] * f[(a + 2) % 3] - e[(a + 2) % 3] * f[(a + 1) % 3];
+    double area = length(n[0], n[1], n[2]), above = -(v[0][0] * n[0] + v[0][1] * n[1] + v[0][2] * n[2]);
+    bool over = area > 0; /* straight above or below the face? */
+    for (int k = 0; k < 3 && over; ++k) {
+      double side = 0;
+      for (int a = 0; a < 3; ++a) {
+        int b = (a + 1) % 3, d = (a + 2) % 3;
+        side += n[a] * ((c[(k + 1) % 3][b] - c[k][b]) * (p[d] - c[k][d]) - (c[(k + 1) % 3][d] - c[k][d]) * (p[b] - c[k][b]));
+      }
+      over = side >= 0;
+    }
+    if (over) best = smaller(best, fabs(above) / area);
+    double triple = v[0][0] * (v[1][1] * v[2][2] - v[1][2] * v[2][1]) + v[0][1] * (v[1][2] * v[2][0] - v[1][0] * v[2][2]) +
+                    v[0][2] * (v[1][0] * v[2][1] - v[1][1] * v[2][0]);
+    angle += 2 * atan2(triple, l[0] * l[1] * l[2] + dots[0] * l[2] + dots[1] * l[0] + dots[2] * l[1]);
+  }
+  *winding = angle / (4 * 3.14159265358979323846);
+  return best;
+}
+
+enum { TUBE_RINGS = 48, TUBE_SIDES = 12 };
+
+/* A trefoil knot with a thick tube: closed, smooth, as concave as it gets. */
+static scree_shape knot(float* positions, uint32_t* indices) {
+  const double turn = 2 * 3.14159265358979323846;
+  uint32_t* to = indices;
+  for (uint32_t i = 0; i < TUBE_RINGS; ++i) {
+    double t = turn * i / TUBE_RINGS, centre[3], ahead[3], side[3], up[3];
+    centre[0] = sin(t) + 2 * sin(2 * t);
+    centre[1] = cos(t) - 2 * cos(2 * t);
+    centre[2] = -sin(3 * t);
+    ahead[0] = cos(t) + 4 * cos(2 * t);
+    ahead[1] = -sin(t) + 4 * sin(2 * t);
+    ahead[2] = -3 * cos(3 * t);
+    double l = length(ahead[0], ahead[1], ahead[2]), m = length(ahead[0], ahead[1], 0);
+    side[0] = -ahead[1] / m;
+    side[1] = ahead[0] / m;
+    side[2] = 0;
+    for (int a = 0; a < 3; ++a) up[a] = (ahead[(a + 1) % 3] * side[(a + 2) % 3] - ahead[(a + 2) % 3] * side[(a + 1) % 3]) / l;
+    for (uint32_t k = 0; k < TUBE_SIDES; ++k) {
+      double phi = turn * k / TUBE_SIDES;
+      for (int a = 0; a < 3; ++a)
+        positions[3 * (i * TUBE_SIDES + k) + a] = (float)(centre[a] + 0.45 * (cos(phi) * side[a] + sin(phi) * up[a]));
+      uint32_t next = (k + 1) % TUBE_SIDES, row = i * TUBE_SIDES, after = (i + 1) % TUBE_RINGS * TUBE_SIDES;
+      const uint32_t quad[6] = {row + k, row + next, after + next, row + k, after + next, after + k};
+      memcpy(to, quad, sizeof quad);
+      to += 6;
+    }
+  }
+  return (scree_shape){.kind = SCREE_SHAPE_MESH,
+                       .mesh = {positions, indices, TUBE_RINGS * TUBE_SIDES, 2 * TUBE_RINGS * TUBE_SIDES, 64}};
+}
+
+/* Distances in grid steps: samples by the surface are exact, others nearly; between them trilinear interpolation adds its own. */
+static void check_mesh_grid(const scree_shape* shape, int points) {
+  random_stream r = {8};
+  scree_support* support = one_shape(shape);
+  const support_mesh* g = &support->meshes[0];
+  double step = (double)g->step;
+  int by_surface = 0, inside = 0;
+  for (int i = 0; i < points; ++i) {
+    uint32_t c[3];
+    double p[3], q[3], winding;
+    for (int a = 0; a < 3; ++a) {
+      c[a] = random_below(&r, g->size[a]);
+      p[a] = g->middle[a] + (double)g->low[a] + c[a] * step;
+      q[a] = (double)(float)(p[a] + random_in(&r, -0.5, 0.5) * step);
+    }
+    double truth = brute_mesh(shape, p, &winding);
+    double found = (double)g->samples[((size_t)c[2] * g->size[1] + c[1]) * g->size[0] + c[0]];
+    bool near = truth < 1.7 * step;
+    by_surface += near;
+    inside += winding > 0.5;
+    if (truth > 1e-4 * step) assert_true((found < 0) == (winding > 0.5));
+    assert_true(fabs(fabs(found) - truth) <= (near ? 1e-3 : 0.25) * step);
+    double anywhere = brute_mesh(shape, q, &winding) * (winding > 0.5 ? -1 : 1);
+    assert_true(fabs(distance_at(support, q) - anywhere) <= 0.9 * step);
+  }
+  assert_true(by_surface > points / 50 && inside > points / 50);
+  scree_support_destroy(support);
+}
+
+static void mesh_grid_is_the_signed_distance_of_a_knot(void** state) {
+  (void)state;
+  float positions[3 * TUBE_RINGS * TUBE_SIDES];
+  uint32_t indices[6 * TUBE_RINGS * TUBE_SIDES];
+  scree_shape shape = knot(positions, indices);
+  check_mesh_grid(&shape, 1500);
+}
+
+static void mesh_grid_is_the_signed_distance_of_a_square_ring(void** state) {
+  (void)state;
+  random_stream r = {9};
+  random_support s;
+  for (int round = 0; round < 6; ++round) {
+    random_leaf(&s, &r, SCREE_SHAPE_MESH, 10);
+    memset(&s.shapes[0].transform, 0, sizeof s.shapes[0].transform);
+    check_mesh_grid(&s.shapes[0], 1000);
+  }
+}
+
+/* Faces and edges that lie exactly in rows of samples, where crossings are easily counted twice or not at all. */
+static void mesh_signs_survive_faces_in_the_planes_of_the_grid(void** state) {
+  (void)state;
+  float positions[24];
+  for (int v = 0; v < 8; ++v)
+    for (int a = 0; a < 3; ++a) positions[3 * v + a] = (v >> a & 1) ? 8.0f : 0.0f;
+  const uint32_t indices[36] = {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4,
+                                2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5};
+  scree_shape cube = {.kind = SCREE_SHAPE_MESH, .mesh = {positions, indices, 8, 12, 8}};
+  scree_support* support = one_shape(&cube);
+  for (double x = -3.5; x < 12; x += 1)
+    for (double y = -3.5; y < 12; y += 1)
+      for (double z = -3.5; z < 12; z += 1) {
+        bool inside = x > 0 && x < 8 && y > 0 && y < 8 && z > 0 && z < 8;
+        assert_true((distance_at(support, (double[]){x, y, z}) < 0) == inside);
+      }
+  scree_support_destroy(support);
+}
+
+static void run_backwards(void* user, uint32_t count, void (*run)(void* context, uint32_t index, uint32_t worker), void* context) {
+  ++*(int*)user;
+  for (uint32_t i = count; i-- > 0;) run(context, i, i % 3);
+}
+
+static void every_worker_builds_the_same_mesh_grid(void** state) {
+  (void)state;
+  float positions[3 * TUBE_RINGS * TUBE_SIDES];
+  uint32_t indices[6 * TUBE_RINGS * TUBE_SIDES];
+  scree_shape shape = knot(positions, indices);
+  int calls = 0;
+  scree_support* serial = one_shape(&shape);
+  scree_support* jobs = must_create(&(scree_support_desc){.shapes = &shape, .shape_count = 1, .jobs = {run_backwards, 3, &calls}});
+  const support_mesh *a = &serial->meshes[0], *b = &jobs->meshes[0];
+  assert_true(calls > 0);
+  assert_memory_equal(a->size, b->size, sizeof a->size);
+  assert_memory_equal(a->samples, b->samples, sizeof(float) * a->size[0] * a->size[1] * a->size[2]);
+  scree_support_destroy(serial);
+  scree_support_destroy(jobs);
+}
+
+/* --- errors ---------------------------------------------------------------------------------------------------------------- */
+
+static void assert_refused(const scree_shape* shapes, uint32_t count, scree_result expected, const char* part) {
+  scree_error error;
+  scree_support* support = (scree_support*)&error;
+  scree_support_desc desc = {.shapes = shapes, .shape_count = count};
+  scree_result result = scree_support_create(&desc, NULL, &support, &error);
+  if (result != expected) fail_msg("%d instead of %d: %s", (int)result, (int)expected, error.message);
+  assert_null(support);
+  if (strstr(error.message, part) == NULL) fail_msg("\"%s\" does not say \"%s\"", error.message, part);
+  assert_null(strchr(error.message, '\n'));
+  assert_int_equal(scree_support_create(&desc, NULL, &support, NULL), expected); /* texts are optional */
+}
+
+static void wrong_numbers_are_refused_by_shape_and_field(void** state) {
+  (void)state;
+  const float heights[4] = {0, 1, 2, 3}, broken[4] = {0, 1, NAN, 3};
+  const scree_shape good[] = {{.kind = SCREE_SHAPE_SPHERE, .sphere = {1}},
+                              {.kind = SCREE_SHAPE_BOX, .box = {{1, 2, 3}, 0}},
+                              {.kind = SCREE_SHAPE_CAPSULE, .capsule = {{0, 0, 0}, {1, 0, 0}, 1}},
+                              {.kind = SCREE_SHAPE_CYLINDER, .cylinder = {1, 2}},
+                              {.kind = SCREE_SHAPE_CONE, .cone = {1, 2}},
+                              {.kind = SCREE_SHAPE_HEIGHTFIELD, .heightfield = {heights, 2, 2, 1, 0, 1}}};
+#define REFUSED(index, change, result, part)           \
+  do {                                                 \
+    scree_shape s = good[index];                       \
+    change;                                            \
+    assert_refused(&s, 1, SCREE_ERROR_##result, part); \
+  } while (0)
+  REFUSED(0, s.sphere.radius = 0, RANGE, "shape 0: sphere.radius is 0, expected a number > 0");
+  REFUSED(0, s.sphere.radius = -2.5f, RANGE, "sphere.radius is -2.5");
+  REFUSED(0, s.sphere.radius = NAN, RANGE, "sphere.radius is not a number");
+  REFUSED(0, s.sphere.radius = INFINITY, RANGE, "sphere.radius is infinity");
+  REFUSED(0, s.sphere.radius = 2e9f, RANGE, "sphere.radius is 2e9, expected at most 1e9");
+  REFUSED(0, s.transform.translation[1] = NAN, RANGE, "transform.translation[1]");
+  REFUSED(0, s.transform.rotation[2] = NAN, RANGE, "transform.rotation[2]");
+  REFUSED(0, s.transform.rotation[3] = 2, RANGE, "not a unit quaternion");
+  REFUSED(0, s.transform.scale = -1, RANGE, "transform.scale is -1");
+  REFUSED(0, s.transform.scale = NAN, RANGE, "transform.scale");
+  REFUSED(0, s.kind = (scree_shape_kind)99, INVALID_ARGUMENT, "kind 99");
+  REFUSED(1, s.box.half[2] = 0, RANGE, "box.half[2]");
+  REFUSED(1, s.box.rounding = 1.5f, RANGE, "box.rounding is 1.5");
+  REFUSED(1, s.box.rounding = -0.1f, RANGE, "box.rounding is -0.1");
+  REFUSED(2, s.capsule.a[0] = NAN, RANGE, "capsule.a[0]");
+  REFUSED(2, s.capsule.b[2] = INFINITY, RANGE, "capsule.b[2]");
+  REFUSED(2, s.capsule.radius = 0, RANGE, "capsule.radius");
+  REFUSED(3, s.cylinder.radius = 0, RANGE, "cylinder.radius");
+  REFUSED(3, s.cylinder.half_height = -1, RANGE, "cylinder.half_height");
+  REFUSED(4, s.cone.radius = 0, RANGE, "cone.radius");
+  REFUSED(4, s.cone.height = 0, RANGE, "cone.height");
+  REFUSED(5, s.heightfield.heights = NULL, INVALID_ARGUMENT, "heightfield.heights is NULL");
+  REFUSED(5, s.heightfield.heights = broken, RANGE, "heightfield.heights[2] is not a number");
+  REFUSED(5, s.heightfield.width = 1, RANGE, "heightfield.width is 1");
+  REFUSED(5, s.heightfield.depth = 0, RANGE, "heightfield.depth is 0");
+  REFUSED(5, (s.heightfield.width = 1u << 20, s.heightfield.depth = 1u << 20), RANGE, "2^31");
+  REFUSED(5, s.heightfield.spacing = 0, RANGE, "heightfield.spacing");
+  REFUSED(5, s.heightfield.above = NAN, RANGE, "heightfield.above");
+  REFUSED(5, s.heightfield.below = 0, RANGE, "heightfield.above + below is 0");
+#undef REFUSED
+  scree_support* support;
+  assert_int_equal(scree_support_create(NULL, NULL, &support, NULL), SCREE_ERROR_INVALID_ARGUMENT);
+  assert_int_equal(scree_support_create(&(scree_support_desc){.shapes = good, .shape_count = 1}, NULL, NULL, NULL),
+                   SCREE_ERROR_INVALID_ARGUMENT);
+  assert_refused(NULL, 1, SCREE_ERROR_INVALID_ARGUMENT, "at least one shape");
+  assert_refused(good, 0, SCREE_ERROR_INVALID_ARGUMENT, "at least one shape");
+  scree_support_desc astray = {.shapes = good, .shape_count = 1, .origin = {0, NAN, 0}};
+  assert_int_equal(scree_support_create(&astray, NULL, &support, NULL), SCREE_ERROR_RANGE);
+}
+
+static void broken_meshes_are_refused_by_edge(void** state) {
+  (void)state;
+  float positions[12] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+  const uint32_t tetrahedron[12] = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
+#define REFUSED(change, result, part)                                                  \
+  do {                                                                                 \
+    uint32_t indices[12];                                                              \
+    memcpy(indices, tetrahedron, sizeof indices);                                      \
+    scree_shape s = {.kind = SCREE_SHAPE_MESH, .mesh = {positions, indices, 4, 4, 8}}; \
+    change;                                                                            \
+    assert_refused(&s, 1, SCREE_ERROR_##result, part);                                 \
+  } while (0)
+  REFUSED(s.mesh.positions = NULL, INVALID_ARGUMENT, "mesh.positions is NULL");
+  REFUSED(s.mesh.indices = NULL, INVALID_ARGUMENT, "mesh.indices is NULL");
+  REFUSED(s.mesh.triangle_count = 3, RANGE, "mesh.triangle_count is 3");
+  REFUSED(s.mesh.vertex_count = 3, RANGE, "mesh.vertex_count is 3");
+  REFUSED(s.mesh.resolution = 7, RANGE, "mesh.resolution is 7");
+  REFUSED(s.mesh.resolution = 513, RANGE, "mesh.resolution is 513");
+  REFUSED(indices[5] = 4, RANGE, "mesh.indices[5] is 4, but there are only 4 vertices");
+  REFUSED(indices[4] = 0, INVALID_ARGUMENT, "triangle 1 uses vertex 0 twice");
+  REFUSED((indices[0] = 0, indices[1] = 1, indices[2] = 2), NOT_CLOSED, "edge from vertex 0 to 1 of triangle 1 is used by another");
+  REFUSED((positions[0] = NAN), RANGE, "mesh.positions[0]");
+  positions[0] = 0;
+  const uint32_t turned[12] = {2, 0, 1, 1, 0, 3, 3, 0, 2, 2, 1, 3};
+  REFUSED(memcpy(indices, turned, sizeof indices), INVALID_ARGUMENT, "shape 0: mesh is inside out");
+  positions[11] = 0;
+  REFUSED((void)0, INVALID_ARGUMENT, "encloses no volume");
+  memset(positions, 0, sizeof positions);
+  REFUSED((void)0, RANGE, "longest side");
+#undef REFUSED
+
+  /* A hole names an edge of its rim. */
+  float corners[24];
+  for (int v = 0; v < 8; ++v)
+    for (int a = 0; a < 3; ++a) corners[3 * v + a] = (float)(v >> a & 1);
+  const uint32_t open[33] = {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7};
+  scree_shape box = {.kind = SCREE_SHAPE_MESH, .mesh = {corners, open, 8, 11, 8}};
+  const scree_shape shapes[2] = {{.kind = SCREE_SHAPE_SPHERE, .sphere = {1}}, box};
+  assert_refused(shapes, 2, SCREE_ERROR_NOT_CLOSED,
+                 "shape 1: mesh is not closed: the edge from vertex 5 to 7 of triangle 2 has no triangle");
+}
+
+static void broken_trees_and_callbacks_are_refused(void** state) {
+  (void)state;
+  uint32_t children[2] = {1, 2};
+  scree_shape shapes[3] = {{.kind = SCREE_SHAPE_UNION, .group = {children, 2, 0}},
+                           {.kind = SCREE_SHAPE_SPHERE, .sphere = {1}},
+                           {.kind = SCREE_SHAPE_SPHERE, .sphere = {1}}};
+  children[1] = 3;
+  assert_refused(shapes, 3, SCREE_ERROR_INVALID_ARGUMENT, "group.children[1] is 3, but there are only 3 shapes");
+  children[1] = 0;
+  assert_refused(shapes, 3, SCREE_ERROR_INVALID_ARGUMENT, "group.children[1] is 0, expected a later shape");
+  children[1] = 2;
+  shapes[0].group.child_count = 0;
+  assert_refused(shapes, 3, SCREE_ERROR_INVALID_ARGUMENT, "group.child_count is 0");
+  shapes[0].group.child_count = 2;
+  shapes[0].group.children = NULL;
+  assert_refused(shapes, 3, SCREE_ERROR_INVALID_ARGUMENT, "group.children is NULL");
+  shapes[0].group.children = children;
+  shapes[0].kind = SCREE_SHAPE_SMOOTH_UNION;
+  assert_refused(shapes, 3, SCREE_ERROR_RANGE, "group.blend is 0");
+  shapes[2].sphere.radius = -1;
+  shapes[0].group.blend = 1;
+  assert_refused(shapes, 3, SCREE_ERROR_RANGE, "shape 2: sphere.radius");
+
+  random_stream r = {1};
+  random_support s;
+  random_leaf(&s, &r, SCREE_SHAPE_CALLBACK, 10);
+  scree_shape good = s.shapes[0], bad = good;
+  bad.callback.distance = NULL;
+  assert_refused(&bad, 1, SCREE_ERROR_INVALID_ARGUMENT, "callback.distance is NULL");
+  bad = good;
+  bad.callback.lipschitz = -1;
+  assert_refused(&bad, 1, SCREE_ERROR_RANGE, "callback.lipschitz is -1");
+  bad = good;
+  bad.callback.max[1] = bad.callback.min[1];
+  assert_refused(&bad, 1, SCREE_ERROR_RANGE, "callback.max[1]");
+  bad = good;
+  bad.callback.min[0] = -INFINITY;
+  assert_refused(&bad, 1, SCREE_ERROR_RANGE, "callback.min[0] is -infinity");
+
+  /* Nested once too deep, a shape used so often that the tree has too many, and too far out by transforms in transforms. */
+  enum { DEEP = SUPPORT_MAX_NESTING + 1 };
+  scree_shape chain[DEEP + 1];
+  uint32_t next[DEEP][2];
+  memset(chain, 0, sizeof chain);
+  for (uint32_t i = 0; i < DEEP; ++i) {
+    next[i][0] = next[i][1] = i + 1;
+    chain[i] = (scree_shape){.kind = SCREE_SHAPE_UNION, .group = {next[i], 1, 0}};
+  }
+  chain[DEEP] = shapes[1];
+  assert_refused(chain, DEEP + 1, SCREE_ERROR_RANGE, "nested more than 32 deep");
+  for (uint32_t i = 0; i < DEEP; ++i) chain[i].group.child_count = 2;
+  assert_refused(chain, DEEP + 1, SCREE_ERROR_RANGE, "has more than 4096 shapes");
+  chain[0] = (scree_shape){.kind = SCREE_SHAPE_UNION, .transform = {.scale = 1e6f}, .group = {next[0], 1, 0}};
+  chain[1] = (scree_shape){.kind = SCREE_SHAPE_SPHERE, .transform = {.translation = {1e6f, 0, 0}}, .sphere = {1}};
+  assert_refused(chain, 2, SCREE_ERROR_RANGE, "shape 1: lies more than 1e9 metres");
+}
+
+/* --- memory ---------------------------------------------------------------------------------------------------------------- */
+
+typedef struct short_memory {
+  int left; /* allocations that will still work */
+  int alive;
+} short_memory;
+
+static void* short_alloc(void* user, size_t size) {
+  short_memory* m = user;
+  if (m->left-- <= 0) return NULL;
+  ++m->alive;
+  return aligned_alloc(64, (size + 63) / 64 * 64 + 64);
+}
+
+static void short_release(void* user, void* memory, size_t size) {
+  (void)size;
+  --((short_memory*)user)->alive;
+  free(memory);
+}
+
+/* Each allocation fails once; nothing is left behind, and in the end it works. */
+static void creating_survives_every_failed_allocation(void** state) {
+  (void)state;
+  random_stream r = {11};
+  random_support ring, ground;
+  random_leaf(&ring, &r, SCREE_SHAPE_MESH, 10);
+  random_leaf(&ground, &r, SCREE_SHAPE_HEIGHTFIELD, 10);
+  const uint32_t children[3] = {1, 2, 2};
+  const scree_shape shapes[3] = {{.kind = SCREE_SHAPE_UNION, .group = {children, 3, 0}}, ring.shapes[0], ground.shapes[0]};
+  const scree_support_desc desc = {.shapes = shapes, .shape_count = 3};
+  synthetic_source source = synthetic_create(4, 1, 2, 1);
+  const scree_field_desc field_desc = {.seed = 1, .cell_size = 1};
+  for (int what = 0; what < 2; ++what) {
+    scree_result result = SCREE_ERROR_OUT_OF_MEMORY;
+    int n = 0;
+    for (; result != SCREE_OK; ++n) {
+      short_memory memory = {n, 0};
+      scree_allocator allocator = {short_alloc, short_release, &memory};
+      scree_support* support = NULL;
+      scree_field* field = NULL;
+      scree_error error;
+      result = what == 0 ? scree_support_create(&desc, &allocator, &support, &error)
+                         : field_create_from_source(&field_desc, &source.source, &allocator, &field);
+      if (result == SCREE_OK) {
+        assert_true(memory.alive > 0);
+      } else {
+        assert_int_equal(result, SCREE_ERROR_OUT_OF_MEMORY);
+        assert_true(support == NULL && field == NULL);
+        if (what == 0) assert_string_equal(error.message, "out of memory");
+      }
+      scree_support_destroy(support);
+      scree_field_destroy(field);
+      assert_int_equal(memory.alive, 0);
+    }
+    assert_true(n > 3);
+  }
+  synthetic_destroy(&source);
+}
+
+/* Tables that no field can be made of. */
+static void broken_field_tables_are_refused(void** state) {
+  (void)state;
+  synthetic_source s = synthetic_create(4, 1, 2, 1);
+  const scree_field_desc good = {.seed = 1, .cell_size = 1};
+  scree_field* field;
+#define REFUSED(change, undo_change, result)                                                        \
+  do {                                                                                              \
+    scree_field_desc desc = good;                                                                   \
+    field_source source = s.source;                                                                 \
+    change;                                                                                         \
+    assert_int_equal(field_create_from_source(&desc, &source, NULL, &field), SCREE_ERROR_##result); \
+    assert_null(field);                                                                             \
+    undo_change;                                                                                    \
+    (void)desc;                                                                                     \
+    (void)source;                                                                                   \
+  } while (0)
+#define BROKEN(place, value)                             \
+  do {                                                   \
+    __typeof__(place) kept = (place);                    \
+    REFUSED((place) = (value), (place) = kept, CORRUPT); \
+  } while (0)
+  REFUSED(desc.cell_size = 0, (void)0, RANGE);
+  REFUSED(desc.cell_size = NAN, (void)0, RANGE);
+  REFUSED(desc.cell_size = INFINITY, (void)0, RANGE);
+  REFUSED(desc.origin[2] = NAN, (void)0, RANGE);
+  REFUSED(source.cells_per_cube = 2, (void)0, CORRUPT);
+  REFUSED(source.cells_per_cube = 9, (void)0, CORRUPT);
+  REFUSED(source.max_rocks_per_cell = 0, (void)0, CORRUPT);
+  REFUSED(source.max_rocks_per_cell = 1, (void)0, CORRUPT);
+  REFUSED(source.max_rocks_per_cell = 1000, (void)0, CORRUPT);
+  REFUSED(source.max_radius = 0, (void)0, CORRUPT);
+  REFUSED(source.max_radius = NAN, (void)0, CORRUPT);
+  REFUSED(source.max_radius = 0.5f, (void)0, CORRUPT);
+  REFUSED(source.asset_count -= 1, (void)0, CORRUPT);
+  BROKEN(s.tile_cells[777], s.source.cell_count);
+  BROKEN(s.cell_first[5], UINT32_MAX);
+  BROKEN(s.cell_first[5], 0);
+  BROKEN(s.rocks[9].centroid[1], NAN);
+  BROKEN(s.rocks[9].centroid[1], 2.5f);
+  BROKEN(s.rocks[9].inner_radius, -0.1f);
+  BROKEN(s.rocks[9].inner_radius, 1.06f);
+  BROKEN(s.rocks[9].outer_radius, NAN);
+  BROKEN(s.rocks[9].outer_radius, 2.0f);
+  BROKEN(s.rocks[9].seed, 2);
+#undef BROKEN
+#undef REFUSED
+  assert_int_equal(field_create_from_source(&good, &s.source, NULL, &field), SCREE_OK);
+  scree_field_destroy(field);
+  synthetic_destroy(&s);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(round_shapes_have_their_true_distance),
+      cmocka_unit_test(heightfield_is_a_layer_between_two_surfaces),
+      cmocka_unit_test(groups_combine_the_distances_of_their_children),
+      cmocka_unit_test(transforms_of_groups_reach_their_children),
+      cmocka_unit_test(no_distance_changes_faster_than_its_bound),
+      cmocka_unit_test(distances_do_not_depend_on_the_company_of_a_point),
+      cmocka_unit_test(nothing_of_a_support_lies_outside_its_bounds),
+      cmocka_unit_test(mesh_grid_is_the_signed_distance_of_a_knot),
+      cmocka_unit_test(mesh_grid_is_the_signed_distance_of_a_square_ring),
+      cmocka_unit_test(mesh_signs_survive_faces_in_the_planes_of_the_grid),
+      cmocka_unit_test(every_worker_builds_the_same_mesh_grid),
+      cmocka_unit_test(wrong_numbers_are_refused_by_shape_and_field),
+      cmocka_unit_test(broken_meshes_are_refused_by_edge),
+      cmocka_unit_test(broken_trees_and_callbacks_are_refused),
+      cmocka_unit_test(creating_survives_every_failed_allocation),
+      cmocka_unit_test(broken_field_tables_are_refused),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
