@@ -148,26 +148,22 @@ void file_replace_abort(file_replacement* file) {
   *file = (file_replacement){0};
 }
 
-FILE* file_scratch(const char* path, scree_error* error) {
+scree_result file_scratch(const char* path, FILE** out, scree_error* error) {
+  *out = NULL;
   char* name = join(path, ".XXXXXX");
-  if (name == NULL) {
-    out_of_memory(path, error);
-    return NULL;
-  }
-  FILE* stream = NULL;
+  if (name == NULL) return out_of_memory(path, error);
   int descriptor = mkstemp(name);
   int reason = errno;
   if (descriptor >= 0) {
     unlink(name);
-    stream = fdopen(descriptor, "w+b");
-    if (stream == NULL) {
+    *out = fdopen(descriptor, "w+b");
+    if (*out == NULL) {
       reason = errno;
       close(descriptor);
     }
   }
-  if (stream == NULL) fail_with(error, SCREE_ERROR_IO, "%s: cannot write beside it: %s", path, strerror(reason));
   free(name);
-  return stream;
+  return *out != NULL ? SCREE_OK : fail_with(error, SCREE_ERROR_IO, "%s: cannot write beside it: %s", path, strerror(reason));
 }
 
 bool file_beside(const char* base, const char* name, char* out, size_t capacity) {

@@ -31,8 +31,8 @@ scree_result file_replace_commit(file_replacement* file, scree_error* error);
 /* Gives up: removes the temporary file. Harmless after commit and on a zeroed struct. */
 void file_replace_abort(file_replacement* file);
 
-/* A nameless scratch file in the same folder as `path`, gone when it is closed. NULL and a message on failure. */
-FILE* file_scratch(const char* path, scree_error* error);
+/* A nameless scratch file in the same folder as `path`, gone when it is closed. Returns SCREE_OK, IO or OUT_OF_MEMORY. */
+scree_result file_scratch(const char* path, FILE** out, scree_error* error);
 
 /* Joins the folder of `base` (what stands before its last slash) and `name`; an absolute name stays as it is. Returns false when
  * the result does not fit into `capacity` bytes. */

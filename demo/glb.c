@@ -71,13 +71,14 @@ scree_result glb_begin(const char* path, glb_writer** out, scree_error* error) {
   strcpy(copy, path);
   w->path = copy;
   /* A place that cannot be written to is better known now than after all the work. */
-  FILE* probe = file_scratch(path, error);
-  if (probe == NULL) {
+  file_replacement probe;
+  scree_result result = file_replace_begin(path, &probe, error);
+  if (result != SCREE_OK) {
     free(copy);
     free(w);
-    return SCREE_ERROR_IO;
+    return result;
   }
-  fclose(probe);
+  file_replace_abort(&probe);
   for (int i = 0; i < GLB_STREAMS; ++i) w->stream_views[i] = GLB_NONE;
   *out = w;
   return SCREE_OK;
@@ -115,11 +116,8 @@ static uint64_t append(glb_writer* w, glb_stream stream, const void* data, size_
   scratch* s = &w->streams[stream];
   if (w->result != SCREE_OK) return 0;
   if (s->file == NULL) {
-    s->file = file_scratch(w->path, &w->error);
-    if (s->file == NULL) {
-      w->result = SCREE_ERROR_IO;
-      return 0;
-    }
+    w->result = file_scratch(w->path, &s->file, &w->error);
+    if (w->result != SCREE_OK) return 0;
   }
   uint64_t offset = s->size;
   if (fwrite(data, 1, size, s->file) != size) fail(w, SCREE_ERROR_IO, "cannot write its scratch file; is the disk full?");
@@ -319,17 +317,16 @@ static void put_word(FILE* stream, uint64_t word) {
 
 /* Copies a scratch file to the end of `to` and pads it to 4 bytes. */
 static bool copy_stream(const scratch* s, FILE* to) {
-  char* block = malloc(1 << 16);
-  if (block == NULL) return false;
+  enum { BLOCK = 1 << 14 };
+  char block[BLOCK];
   bool good = s->file == NULL || (fflush(s->file) == 0 && fseek(s->file, 0, SEEK_SET) == 0);
   uint64_t left = s->size;
   while (good && left > 0) {
-    size_t part = left < 1 << 16 ? (size_t)left : (size_t)1 << 16;
+    size_t part = left < BLOCK ? (size_t)left : BLOCK;
     good = fread(block, 1, part, s->file) == part && fwrite(block, 1, part, to) == part;
     left -= part;
   }
   for (uint64_t i = s->size; i < padded(s->size); ++i) putc(0, to);
-  free(block);
   return good;
 }
 

@@ -11,8 +11,7 @@ typedef struct builder {
   scene_files* files;
   scree_error* error;
   scree_shape* shapes;
-  const scene_node** nodes; /* of each shape, for messages */
-  uint32_t* children;       /* all groups' lists of children, one after the other */
+  uint32_t* children; /* all groups' lists of children, one after the other */
   uint32_t shape_count, child_count;
   char where[256]; /* "fields[0].support.children[2]" */
   size_t length;
@@ -89,7 +88,6 @@ static scree_result fill_group(builder* b, const scene_node* node, scree_shape* 
 
 static scree_result add_node(builder* b, const scene_node* node) {
   bool is_root = b->shape_count == 0;
-  b->nodes[b->shape_count] = node;
   scree_shape* shape = &b->shapes[b->shape_count++];
   *shape = (scree_shape){.kind = node->kind, .transform = transform_of(node, is_root)};
   switch (node->kind) {
@@ -122,6 +120,36 @@ static scree_result add_node(builder* b, const scene_node* node) {
   return SCREE_OK;
 }
 
+/* The path below `node` of the shape with this number; shapes are numbered in the order of the file. Returns false when it is not
+ * there, with *number less by all that are. */
+static bool path_of_shape(const scene_node* node, uint32_t* number, char* path, size_t capacity, const scene_node** found) {
+  if (*number == 0) {
+    *found = node;
+    return true;
+  }
+  --*number;
+  for (uint32_t i = 0; i < node->child_count; ++i) {
+    int length = snprintf(path, capacity, ".children[%u]", i);
+    if (length < 0 || (size_t)length >= capacity) return false;
+    if (path_of_shape(node->children[i], number, path + length, capacity - (size_t)length, found)) return true;
+  }
+  path[0] = '\0';
+  return false;
+}
+
+/* The runtime names a shape by its number; people know it by its place in the file. */
+static scree_result fail_at_shape(builder* b, const scene_node* root, scree_result result, const scree_error* cause) {
+  const char* message = cause->message[0] != '\0' ? cause->message : scree_result_string(result);
+  const scene_node* node = NULL;
+  uint32_t number;
+  int end = 0;
+  if (sscanf(message, "shape %u: %n", &number, &end) == 1 && end > 0) {
+    if (path_of_shape(root, &number, b->where + b->length, sizeof b->where - b->length, &node)) message += end;
+  }
+  const char* file = node != NULL && node->kind == SCREE_SHAPE_MESH ? node->mesh.file : "";
+  return fail_with(b->error, result, "%s: %s: %s%s%.300s", b->paths->scene, b->where, file, file[0] != '\0' ? ": " : "", message);
+}
+
 static scree_result build(builder* b, const scene_node* root, const scree_jobs* jobs, scree_support** out) {
   scree_result result = add_node(b, root);
   if (result != SCREE_OK) return result;
@@ -131,18 +159,7 @@ static scree_result build(builder* b, const scene_node* root, const scree_jobs* 
   scree_error cause = {""};
   result = scree_support_create(&desc, NULL, out, &cause);
   if (result == SCREE_OK) return SCREE_OK;
-  const char* message = cause.message[0] != '\0' ? cause.message : scree_result_string(result);
-  /* Shapes are numbered in the order of the file; with a single mesh the file can be named at once. */
-  const char* file = "";
-  uint32_t meshes = 0;
-  for (uint32_t i = 0; i < b->shape_count; ++i) {
-    if (b->nodes[i]->kind != SCREE_SHAPE_MESH) continue;
-    ++meshes;
-    file = b->nodes[i]->mesh.file;
-  }
-  bool name_it = result == SCREE_ERROR_NOT_CLOSED && meshes == 1;
-  return fail_with(b->error, result, "%s: %s: %s%s%.300s", b->paths->scene, b->where, name_it ? file : "", name_it ? ": " : "",
-                   message);
+  return fail_at_shape(b, root, result, &cause);
 }
 
 scree_result scene_support_create(const scene_model* scene, uint32_t index, const scene_paths* paths, scene_files* files,
@@ -155,16 +172,14 @@ scree_result scene_support_create(const scene_model* scene, uint32_t index, cons
   uint32_t count = count_nodes(root);
   if (files == NULL) b.files = scene_files_create();
   b.shapes = calloc(count, sizeof *b.shapes);
-  b.nodes = calloc(count, sizeof *b.nodes);
   b.children = calloc(count, sizeof *b.children);
   scree_result result;
-  if (b.files == NULL || b.shapes == NULL || b.nodes == NULL || b.children == NULL) {
+  if (b.files == NULL || b.shapes == NULL || b.children == NULL) {
     result = fail_with(error, SCREE_ERROR_OUT_OF_MEMORY, "%s: out of memory", paths->scene);
   } else {
     result = build(&b, root, jobs, out);
   }
   free(b.shapes);
-  free(b.nodes);
   free(b.children);
   if (files == NULL) scene_files_destroy(b.files);
   return result;

@@ -347,7 +347,7 @@ static void bad_place_is_known_before_the_work(void** state) {
   scree_error error = {""};
   assert_int_equal(rock_export_begin(&desc, &file, &error), SCREE_ERROR_IO);
   assert_null(file);
-  assert_string_equal(error.message, "no/such/folder/rocks.glb: cannot write beside it: No such file or directory");
+  assert_string_equal(error.message, "no/such/folder/rocks.glb: cannot write: No such file or directory");
 }
 
 int main(int argc, char** argv) {
