@@ -24,6 +24,7 @@
 
 typedef float vfloat __attribute__((vector_size(4 * SIMD_WIDTH)));
 typedef int32_t vint __attribute__((vector_size(4 * SIMD_WIDTH)));
+typedef uint32_t vuint __attribute__((vector_size(4 * SIMD_WIDTH)));
 
 static inline vfloat v_load(const float* from) {
   vfloat v;

@@ -311,11 +311,24 @@ static void fill_grid(builder* b, support_mesh* grid, const scree_jobs* jobs) {
     run_jobs(jobs, b->size[b->axis == 2 ? 1 : 2], pass_plane, b);
   }
   size_t count = (size_t)b->size[0] * b->size[1] * b->size[2];
+  float farthest = 0;
   for (size_t s = 0; s < count; ++s)
-    if (b->inside[s >> 3] >> (s & 7) & 1) b->distance[s] = -b->distance[s];
-  grid->lipschitz = steepest(b) * 1.0001f;
+    if (b->distance[s] > farthest) farthest = b->distance[s];
+  float quantum = farthest / 32767; /* grid units; a few thousandths of a step */
+  for (size_t s = 0; s < count; ++s) {
+    float steps = floorf(b->distance[s] / quantum + 0.5f);
+    b->distance[s] = b->inside[s >> 3] >> (s & 7) & 1 ? -steps : steps;
+  }
+  grid->quantum = quantum * grid->step;
+  grid->lipschitz = steepest(b) * quantum * 1.0001f;
   if (grid->lipschitz < 1) grid->lipschitz = 1; /* beside the grid */
-  for (size_t s = 0; s < count; ++s) b->distance[s] *= grid->step;
+
+  grid->samples = (uint32_t*)b->nearest; /* its work is done */
+  for (size_t s = 0; s < count; ++s) {
+    bool last = s / b->size[0] % b->size[1] == b->size[1] - 1;
+    uint32_t here = (uint32_t)(int32_t)b->distance[s], next = (uint32_t)(int32_t)b->distance[last ? s : s + b->size[0]];
+    grid->samples[s] = (here & 0xffff) | next << 16;
+  }
 }
 
 scree_result support_mesh_create(support_mesh* grid, const scree_shape* shape, const scree_jobs* jobs,
@@ -334,12 +347,11 @@ scree_result support_mesh_create(support_mesh* grid, const scree_shape* shape, c
   if (complete) {
     snap_vertices(&b, grid, shape);
     fill_grid(&b, grid, jobs);
-    grid->samples = b.distance;
   } else {
-    release(allocator, b.distance, count, sizeof *b.distance);
+    release(allocator, b.nearest, count, sizeof *b.nearest);
   }
   release(allocator, b.vertices, shape->mesh.vertex_count, sizeof *b.vertices);
-  release(allocator, b.nearest, count, sizeof *b.nearest);
+  release(allocator, b.distance, count, sizeof *b.distance);
   release(allocator, b.inside, bytes, 1);
   release(allocator, b.changed, count, 1);
   return complete ? SCREE_OK : SCREE_ERROR_OUT_OF_MEMORY;

@@ -5,8 +5,11 @@
 #include <scree/support.h>
 
 typedef struct support_mesh {
-  float* samples;   /* size[0] * size[1] * size[2], x fastest, metres, negative inside; > 0 on the grid's outer faces */
+  /* size[0] * size[1] * size[2], x fastest: the sample in the low 16 bits and its neighbour along y in the high ones, both signed
+   * multiples of `quantum`, negative inside, > 0 on the grid's outer faces. So two loads of 64 bits give all eight corners. */
+  uint32_t* samples;
   uint32_t size[3]; /* each >= 2 */
+  float quantum;    /* metres */
   double middle[3]; /* of the grid in the mesh's space: positions below are relative to it */
   float low[3];     /* of sample (0, 0, 0) */
   float high[3];    /* of the last sample */

@@ -413,12 +413,12 @@ static void check_mesh_grid(const scree_shape* shape, int points) {
       q[a] = (double)(float)(p[a] + random_in(&r, -0.5, 0.5) * step);
     }
     double truth = brute_mesh(shape, p, &winding);
-    double found = (double)g->samples[((size_t)c[2] * g->size[1] + c[1]) * g->size[0] + c[0]];
+    double found = (double)g->quantum * (int16_t)(g->samples[((size_t)c[2] * g->size[1] + c[1]) * g->size[0] + c[0]] & 0xffff);
     bool near = truth < 1.7 * step;
     by_surface += near;
     inside += winding > 0.5;
-    if (truth > 1e-4 * step) assert_true((found < 0) == (winding > 0.5));
-    assert_true(fabs(fabs(found) - truth) <= (near ? 1e-3 : 0.25) * step);
+    if (truth > 0.51 * (double)g->quantum) assert_true((found < 0) == (winding > 0.5));
+    assert_true(fabs(fabs(found) - truth) <= (near ? 1e-5 : 0.25) * step + 0.51 * (double)g->quantum);
     double anywhere = brute_mesh(shape, q, &winding) * (winding > 0.5 ? -1 : 1);
     assert_true(fabs(distance_at(support, q) - anywhere) <= 0.9 * step);
   }
@@ -480,7 +480,7 @@ static void every_worker_builds_the_same_mesh_grid(void** state) {
   const support_mesh *a = &serial->meshes[0], *b = &jobs->meshes[0];
   assert_true(calls > 0);
   assert_memory_equal(a->size, b->size, sizeof a->size);
-  assert_memory_equal(a->samples, b->samples, sizeof(float) * a->size[0] * a->size[1] * a->size[2]);
+  assert_memory_equal(a->samples, b->samples, sizeof *a->samples * a->size[0] * a->size[1] * a->size[2]);
   scree_support_destroy(serial);
   scree_support_destroy(jobs);
 }
