@@ -154,6 +154,15 @@ void scree_pack_get_info(const scree_pack* pack, scree_pack_info* out) {
   };
 }
 
+scree_result scree_pack_get_section(const scree_pack* pack, uint32_t index, scree_pack_section* out) {
+  static const char* const names[SCREE_PACK_SECTIONS] = {"recipe",   "tiles", "cells",      "assets", "lods",
+                                                         "contacts", "hulls", "blob_index", "blobs"};
+  if (pack == NULL || out == NULL || index >= SCREE_PACK_SECTIONS) return SCREE_ERROR_INVALID_ARGUMENT;
+  const pack_section* section = pack->sections[index];
+  *out = (scree_pack_section){names[index], section->size, section->size / section->element_size, section->digest};
+  return SCREE_OK;
+}
+
 /* False for NaN too. */
 static bool within(float value, float limit) {
   return value >= -limit && value <= limit;

@@ -49,6 +49,19 @@ typedef struct scree_pack_info {
 
 SCREE_API void scree_pack_get_info(const scree_pack* pack, scree_pack_info* out);
 
+/* One section of the file, for tools that show what a pack is made of. */
+typedef struct scree_pack_section {
+  const char* name;  /* as in docs/pack_format.md, static storage */
+  uint64_t size;     /* bytes */
+  uint64_t elements; /* of fixed size */
+  uint64_t digest;   /* XXH3-64 of its bytes, as the file says; scree_pack_verify checks it */
+} scree_pack_section;
+
+#define SCREE_PACK_SECTIONS 9
+
+/* index: 0..SCREE_PACK_SECTIONS - 1. Returns SCREE_OK or INVALID_ARGUMENT. */
+SCREE_API scree_result scree_pack_get_section(const scree_pack* pack, uint32_t index, scree_pack_section* out);
+
 /* One rock, without its meshes. Lengths in cells, positions relative to the centre of the rock's home cell. */
 typedef struct scree_asset {
   uint32_t cell;          /* unique cell this rock belongs to */

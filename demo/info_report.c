@@ -1,0 +1,203 @@
+#include "info_report.h"
+
+#include <cjson/cJSON.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void widen(info_range* range, double value) {
+  range->least = value < range->least ? value : range->least;
+  range->greatest = value > range->greatest ? value : range->greatest;
+  range->sum += value;
+}
+
+static const info_range nothing = {INFINITY, -INFINITY, 0};
+
+scree_result info_gather(const scree_pack* pack, info_report* out, uint32_t* asset) {
+  memset(out, 0, sizeof *out);
+  scree_pack_get_info(pack, &out->pack);
+  *asset = 0;
+  if (out->pack.lod_count > INFO_LODS) return SCREE_ERROR_UNSUPPORTED;
+  for (uint32_t i = 0; i < SCREE_PACK_SECTIONS; ++i) scree_pack_get_section(pack, i, &out->sections[i]);
+  out->volume = out->inner_radius = out->outer_radius = out->hull_vertices = out->contacts = nothing;
+  for (uint32_t lod = 0; lod < INFO_LODS; ++lod) out->lods[lod].triangles_per_rock = nothing;
+  for (*asset = 0; *asset < out->pack.asset_count; ++*asset) {
+    scree_asset rock;
+    scree_result result = scree_pack_get_asset(pack, *asset, &rock);
+    if (result != SCREE_OK) return result;
+    widen(&out->volume, rock.volume);
+    widen(&out->inner_radius, rock.inner_radius);
+    widen(&out->outer_radius, rock.outer_radius);
+    widen(&out->hull_vertices, rock.hull_vertices);
+    widen(&out->contacts, rock.contact_count);
+    ++out->rocks_with_contacts[rock.contact_count < INFO_CONTACT_BINS ? rock.contact_count : INFO_CONTACT_BINS - 1];
+    for (uint32_t lod = 0; lod < out->pack.lod_count; ++lod) {
+      scree_lod level;
+      result = scree_pack_get_lod(pack, *asset, lod, &level);
+      if (result != SCREE_OK) return result;
+      info_lod* sum = &out->lods[lod];
+      sum->triangles += level.triangles;
+      sum->vertices += level.vertices;
+      sum->bytes += level.blob_size;
+      sum->error = level.error > sum->error ? level.error : sum->error;
+      widen(&sum->triangles_per_rock, level.triangles);
+    }
+  }
+  return SCREE_OK;
+}
+
+static void text_range(text_buffer* out, const char* name, const info_range* range, uint32_t count, const char* unit) {
+  buffer_format(out, "  %-18s %9.3f  (%.3f .. %.3f) %s\n", name, range->sum / count, range->least, range->greatest, unit);
+}
+
+void info_write_text(const info_report* report, const char* path, text_buffer* out) {
+  const scree_pack_info* pack = &report->pack;
+  buffer_add(out, path);
+  buffer_format(out, ": scree pack, format %u, %.2f MB, digest %016llx\n", pack->format_version, 1e-6 * (double)pack->file_size,
+                (unsigned long long)pack->digest);
+  buffer_format(out, "  %u rocks in %u unique cells, at most %u a cell; a cube has %u x %u x %u cells (n = %u)\n",
+                pack->asset_count, pack->cell_count, pack->max_rocks_per_cell, pack->cells_per_cube, pack->cells_per_cube,
+                pack->cells_per_cube, pack->cells_per_cube + 1);
+  buffer_format(out, "  %u lattice steps a cell\n\nsections\n", pack->lattice_per_cell);
+  for (uint32_t i = 0; i < SCREE_PACK_SECTIONS; ++i) {
+    const scree_pack_section* section = &report->sections[i];
+    buffer_format(out, "  %-12s %12llu bytes  %5.1f %%  digest %016llx\n", section->name, (unsigned long long)section->size,
+                  100.0 * (double)section->size / (double)pack->file_size, (unsigned long long)section->digest);
+  }
+  buffer_add(out, "\nlevels of detail     triangles a rock          vertices  bytes a rock  bytes a triangle  largest error\n");
+  for (uint32_t lod = 0; lod < pack->lod_count; ++lod) {
+    const info_lod* level = &report->lods[lod];
+    const double rocks = pack->asset_count, triangles = level->triangles > 0 ? (double)level->triangles : 1;
+    buffer_format(out, "  LOD %u  %10.1f  (%.0f .. %.0f)  %12.1f  %12.1f  %16.3f  %13.4f cells\n", lod,
+                  (double)level->triangles / rocks, level->triangles_per_rock.least, level->triangles_per_rock.greatest,
+                  (double)level->vertices / rocks, (double)level->bytes / rocks, (double)level->bytes / triangles,
+                  (double)level->error);
+  }
+  buffer_add(out, "\nrocks                     mean  (least .. greatest)\n");
+  text_range(out, "volume", &report->volume, pack->asset_count, "cubic cells");
+  text_range(out, "inner radius", &report->inner_radius, pack->asset_count, "cells");
+  text_range(out, "outer radius", &report->outer_radius, pack->asset_count, "cells");
+  text_range(out, "hull vertices", &report->hull_vertices, pack->asset_count, "");
+  text_range(out, "contacts", &report->contacts, pack->asset_count, "");
+  buffer_add(out, "\ncontacts of a rock and how many rocks have so many\n ");
+  for (uint32_t i = 0; i < INFO_CONTACT_BINS; ++i)
+    if (report->rocks_with_contacts[i] > 0)
+      buffer_format(out, " %u%s:%u", i, i == INFO_CONTACT_BINS - 1 ? "+" : "", report->rocks_with_contacts[i]);
+  buffer_add(out, "\n\nrecipe\n");
+  buffer_add(out, pack->recipe);
+  if (pack->recipe_size == 0 || pack->recipe[pack->recipe_size - 1] != '\n') buffer_add(out, "\n");
+}
+
+static void json_floats(text_buffer* out, const char* name, const float* values, uint32_t count) {
+  buffer_format(out, ", \"%s\": [", name);
+  for (uint32_t i = 0; i < count; ++i) {
+    if (i > 0) buffer_add(out, ", ");
+    buffer_float(out, values[i]);
+  }
+  buffer_add(out, "]");
+}
+
+static void json_range(text_buffer* out, const char* name, const info_range* range, uint32_t count) {
+  buffer_format(out, ",\n  \"%s\": {\"mean\": ", name);
+  buffer_number(out, range->sum / count);
+  buffer_add(out, ", \"least\": ");
+  buffer_number(out, range->least);
+  buffer_add(out, ", \"greatest\": ");
+  buffer_number(out, range->greatest);
+  buffer_add(out, "}");
+}
+
+static void json_example(const scree_pack* pack, uint32_t lod_count, uint32_t asset, text_buffer* out) {
+  scree_asset rock;
+  if (scree_pack_get_asset(pack, asset, &rock) != SCREE_OK) return;
+  buffer_format(out, "    {\"asset\": %u, \"cell\": %u, \"seed\": %u, \"volume\": ", asset, rock.cell, rock.seed);
+  buffer_float(out, rock.volume);
+  buffer_add(out, ", \"inner_radius\": ");
+  buffer_float(out, rock.inner_radius);
+  buffer_add(out, ", \"outer_radius\": ");
+  buffer_float(out, rock.outer_radius);
+  json_floats(out, "centroid", rock.centroid, 3);
+  json_floats(out, "bounds_min", rock.bounds_min, 3);
+  json_floats(out, "bounds_max", rock.bounds_max, 3);
+
+  buffer_add(out, ",\n     \"contacts\": [");
+  scree_contact* contacts = malloc((rock.contact_count + (size_t)1) * sizeof *contacts);
+  uint32_t count = 0;
+  if (contacts != NULL && scree_pack_get_contacts(pack, asset, contacts, rock.contact_count, &count) != SCREE_OK) count = 0;
+  for (uint32_t i = 0; i < count; ++i) {
+    const scree_contact* c = &contacts[i];
+    buffer_format(out, "%s[%d, %d, %d, %d, %d, %d, %u]", i > 0 ? ", " : "", c->position[0], c->position[1], c->position[2],
+                  c->cell[0], c->cell[1], c->cell[2], c->seed);
+  }
+  free(contacts);
+
+  buffer_add(out, "],\n     \"hull\": [");
+  int16_t hull[256][3];
+  if (scree_pack_get_hull(pack, asset, hull[0], 256, &count) != SCREE_OK) count = 0;
+  for (uint32_t i = 0; i < count; ++i) buffer_format(out, "%s[%d, %d, %d]", i > 0 ? ", " : "", hull[i][0], hull[i][1], hull[i][2]);
+
+  buffer_add(out, "],\n     \"lods\": [");
+  for (uint32_t lod = 0; lod < lod_count; ++lod) {
+    scree_lod level;
+    if (scree_pack_get_lod(pack, asset, lod, &level) != SCREE_OK) break;
+    buffer_format(
+        out, "%s{\"triangles\": %u, \"vertices\": %u, \"bytes\": %llu, \"digest\": \"%016llx\", \"error\": ", lod > 0 ? ", " : "",
+        level.triangles, level.vertices, (unsigned long long)level.blob_size, (unsigned long long)level.digest);
+    buffer_float(out, level.error);
+    buffer_add(out, "}");
+  }
+  buffer_add(out, "]}");
+}
+
+/* The recipe is JSON already; a pack whose recipe is not gives it as a string. */
+static void json_recipe(const char* recipe, text_buffer* out) {
+  cJSON* tree = cJSON_Parse(recipe);
+  char* text = tree != NULL ? cJSON_PrintUnformatted(tree) : NULL;
+  if (text != NULL) {
+    buffer_add(out, text);
+  } else {
+    buffer_string(out, recipe);
+  }
+  cJSON_free(text);
+  cJSON_Delete(tree);
+}
+
+void info_write_json(const info_report* report, const scree_pack* pack, text_buffer* out) {
+  const scree_pack_info* info = &report->pack;
+  buffer_format(out, "{\n  \"format_version\": %u,\n  \"file_size\": %llu,\n  \"digest\": \"%016llx\",\n", info->format_version,
+                (unsigned long long)info->file_size, (unsigned long long)info->digest);
+  buffer_format(out, "  \"cells_per_cube\": %u,\n  \"lattice_per_cell\": %u,\n  \"lod_count\": %u,\n", info->cells_per_cube,
+                info->lattice_per_cell, info->lod_count);
+  buffer_format(out, "  \"max_rocks_per_cell\": %u,\n  \"max_radius\": ", info->max_rocks_per_cell);
+  buffer_float(out, info->max_radius);
+  buffer_format(out, ",\n  \"cells\": %u,\n  \"assets\": %u,\n  \"sections\": {", info->cell_count, info->asset_count);
+  for (uint32_t i = 0; i < SCREE_PACK_SECTIONS; ++i)
+    buffer_format(out, "%s\"%s\": %llu", i > 0 ? ", " : "", report->sections[i].name, (unsigned long long)report->sections[i].size);
+  buffer_add(out, "},\n  \"section_digests\": {");
+  for (uint32_t i = 0; i < SCREE_PACK_SECTIONS; ++i)
+    buffer_format(out, "%s\"%s\": \"%016llx\"", i > 0 ? ", " : "", report->sections[i].name,
+                  (unsigned long long)report->sections[i].digest);
+  buffer_add(out, "},\n  \"lods\": [");
+  for (uint32_t lod = 0; lod < info->lod_count; ++lod) {
+    const info_lod* level = &report->lods[lod];
+    buffer_format(out, "%s\n    {\"triangles\": %llu, \"vertices\": %llu, \"bytes\": %llu, \"error\": ", lod > 0 ? "," : "",
+                  (unsigned long long)level->triangles, (unsigned long long)level->vertices, (unsigned long long)level->bytes);
+    buffer_float(out, level->error);
+    buffer_add(out, "}");
+  }
+  buffer_format(out, "\n  ],\n  \"contacts\": %.0f", report->contacts.sum);
+  json_range(out, "contacts_per_rock", &report->contacts, info->asset_count);
+  json_range(out, "volume", &report->volume, info->asset_count);
+  json_range(out, "inner_radius", &report->inner_radius, info->asset_count);
+  json_range(out, "outer_radius", &report->outer_radius, info->asset_count);
+  json_range(out, "hull_vertices", &report->hull_vertices, info->asset_count);
+  buffer_add(out, ",\n  \"examples\": [\n");
+  const uint32_t last = info->asset_count - 1, examples[3] = {0, info->asset_count / 2, last};
+  for (uint32_t i = 0; i < 3; ++i) {
+    if (i > 0) buffer_add(out, ",\n");
+    json_example(pack, info->lod_count, examples[i], out);
+  }
+  buffer_add(out, "\n  ],\n  \"recipe\": ");
+  json_recipe(info->recipe, out);
+  buffer_add(out, "\n}\n");
+}
