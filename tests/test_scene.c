@@ -1,12 +1,16 @@
 /* Scenes: what is read is what is written, and every kind of wrong scene is refused with a line that names the place. */
+#define _POSIX_C_SOURCE 200809L
+
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 /* after the four above */
+#include <cjson/cJSON.h>
 #include <cmocka.h>
 
 #include "lattice.h"
@@ -85,6 +89,35 @@ static void written_scene_reads_back_the_same(void** state) {
   free(second);
   scene_destroy(&scene);
   scene_destroy(&again);
+}
+
+/* Every value of `source` stands in `written` too, which may have more keys. Colours may differ in case. */
+static void assert_kept(const cJSON* source, const cJSON* written, const char* key) {
+  if (written == NULL || (source->type & 0xff) != (written->type & 0xff)) fail_msg("%s is not kept", key);
+  if (cJSON_IsNumber(source) && source->valuedouble != written->valuedouble) fail_msg("%s is not kept", key);
+  if (cJSON_IsString(source) && strcasecmp(source->valuestring, written->valuestring) != 0) fail_msg("%s is not kept", key);
+  if (cJSON_IsArray(source)) assert_int_equal(cJSON_GetArraySize(source), cJSON_GetArraySize(written));
+  int index = 0;
+  const cJSON* item;
+  cJSON_ArrayForEach(item, source) {
+    const cJSON* other =
+        cJSON_IsArray(source) ? cJSON_GetArrayItem(written, index++) : cJSON_GetObjectItemCaseSensitive(written, item->string);
+    assert_kept(item, other, item->string != NULL ? item->string : key);
+  }
+}
+
+static void writing_keeps_every_value(void** state) {
+  (void)state;
+  scene_model scene;
+  assert_int_equal(parse(everything, &scene, NULL), SCREE_OK);
+  char* text = scene_write(&scene, NULL);
+  cJSON* source = cJSON_Parse(everything);
+  cJSON* written = cJSON_Parse(text);
+  assert_kept(source, written, "scene");
+  cJSON_Delete(source);
+  cJSON_Delete(written);
+  free(text);
+  scene_destroy(&scene);
 }
 
 static double random_number(uint64_t* seed, double min, double max) {
@@ -399,6 +432,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(every_key_is_read),
       cmocka_unit_test(written_scene_reads_back_the_same),
+      cmocka_unit_test(writing_keeps_every_value),
       cmocka_unit_test(random_scenes_survive_writing_and_reading),
       cmocka_unit_test(copied_node_is_equal_and_independent),
       cmocka_unit_test(detached_child_leaves_its_parent),
