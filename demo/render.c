@@ -14,9 +14,10 @@
 #include "render_textures.h"
 
 #define SHADOW_SIZE 2048
-#define PIXEL_ERROR 0.6f
+#define PIXEL_ERROR 2.0f  /* of the largest distance between two levels: what an outline is off by is a fifth of it */
+#define SHADOW_ERROR 3.0f /* the same in texels of a cascade */
 #define SUN_RADIUS 0.016f /* radians; the real one's 0.0047 would look cut with a knife at the size of a stone */
-#define EXPOSURE 0.68f    /* at which sunlit pale stone is bright and not yet white */
+#define EXPOSURE 0.64f    /* at which sunlit pale stone is bright and not yet white */
 #define SUN_STRENGTH 3.1f /* of the sky's */
 #define KIND_STONE (1u << 8)
 #define KIND_GROUND (2u << 8)
@@ -55,6 +56,7 @@ struct render {
   uint32_t empty_array, segment_array, segment_buffer;
   solid ground, terrain;
   render_stone* stones;
+  uint8_t* levels; /* of each stone in the camera's view */
   uint32_t stone_count;
   float stones_min[3], stones_max[3], stone_size; /* box of all balls; mean cell size */
   render_picture last;                            /* what the sum holds; width 0 = nothing */
@@ -175,6 +177,7 @@ void render_destroy(render* r) {
   glDeleteBuffers(4, buffers);
   glDeleteVertexArrays(2, arrays);
   free(r->stones);
+  free(r->levels);
   free(r);
 }
 
@@ -198,10 +201,17 @@ scree_result render_set_stones(render* r, const render_stone* stones, uint32_t c
       return SCREE_ERROR_INVALID_ARGUMENT;
   }
   render_stone* copy = malloc((count > 0 ? count : 1) * sizeof *copy);
-  if (copy == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
+  uint8_t* levels = malloc(count > 0 ? count : 1);
+  if (copy == NULL || levels == NULL) {
+    free(copy);
+    free(levels);
+    return SCREE_ERROR_OUT_OF_MEMORY;
+  }
   if (count > 0) memcpy(copy, stones, count * sizeof *copy);
   free(r->stones);
+  free(r->levels);
   r->stones = copy;
+  r->levels = levels;
   r->stone_count = count;
   r->last.width = 0;
 
@@ -352,7 +362,7 @@ static void prepare_camera(render* r, const render_picture* p) {
   f->occlusion[0] = 2.4f * f->ground[2];
   f->occlusion[1] = 0.16f * (float)p->height;
   f->occlusion[3] = 1;
-  f->air[0] = 1 / (300 + 6 * extent);
+  f->air[0] = 1 / (900 + 6 * extent);
   f->air[1] = EXPOSURE * (p->exposure > 0 ? p->exposure : 1);
   f->mode[0] = (int32_t)p->colour;
 }
@@ -376,7 +386,7 @@ static void prepare_sun(render* r, const render_picture* p) {
 
   r->cascade_count = 0;
   if (!p->shadows_off && r->stone_count > 0) {
-    render_cascade_desc desc = {.size = r->shadows.size, .count = p->draft ? 1 : RENDER_CASCADES};
+    render_cascade_desc desc = {.size = r->shadows.size, .pixel = f->eye[3], .count = p->draft ? 1 : RENDER_CASCADES};
     memcpy(desc.sun, f->sun, sizeof desc.sun);
     memcpy(desc.eye, f->eye, sizeof desc.eye);
     memcpy(desc.forward, f->forward, sizeof desc.forward);
@@ -425,8 +435,11 @@ static render_view camera_view(const render* r, const render_picture* p) {
 }
 
 static render_view cascade_view(const render* r, const render_picture* p, uint32_t c) {
-  render_view view = {
-      .plane_count = 4, .parallel = true, .pixel = r->cascades[c].texel, .pixel_error = p->draft ? 6.0f : 0.75f, .lod = p->lod};
+  render_view view = {.plane_count = 4,
+                      .parallel = true,
+                      .pixel = r->cascades[c].texel,
+                      .pixel_error = p->draft ? 3 * SHADOW_ERROR : SHADOW_ERROR,
+                      .lod = p->lod};
   render_cascade_planes(&r->cascades[c], view.planes);
   return view;
 }
@@ -440,7 +453,7 @@ static scree_result prepare_stones(render* r, const render_picture* p) {
   for (uint32_t c = 0; c < r->cascade_count; ++c) views[c + 1] = cascade_view(r, p, c);
   render_cache_trim(&r->cache);
   for (uint32_t i = 0; i < count; ++i)
-    if (!render_list_choose(lists[i], &views[i], &r->cache, r->stones, r->stone_count)) return SCREE_ERROR_OUT_OF_MEMORY;
+    if (!render_list_choose(lists[i], &views[i], &r->cache, r->stones, r->stone_count, r->levels)) return SCREE_ERROR_OUT_OF_MEMORY;
   r->stats.meshes_missing = render_cache_decode(&r->cache, p->decode_budget);
   r->stats.meshes_decoded = r->cache.decoded;
   uint32_t instances = 0, commands = 0;
@@ -449,7 +462,6 @@ static scree_result prepare_stones(render* r, const render_picture* p) {
     instances += lists[i]->instance_count;
     commands += lists[i]->command_count;
   }
-  for (uint32_t c = 0; c < r->cascade_count; ++c) r->frame.cascade[c][2] = fminf(lists[c + 1]->error, 0.05f * r->stone_size);
 
   glBindBuffer(GL_ARRAY_BUFFER, r->instance_buffer);
   glBufferData(GL_ARRAY_BUFFER, (GLsizeiptr)((instances + 1) * sizeof(render_instance)), NULL, GL_STREAM_DRAW);

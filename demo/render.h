@@ -72,7 +72,7 @@ typedef struct render_picture {
   uint32_t samples_most;   /* stop gathering at this many; 0 = samples */
   render_colour colour;
   int32_t lod;       /* this level for every stone, or -1 for the level that the picture needs */
-  float pixel_error; /* how far a stone's outline may be off, pixels; 0 = 0.6 */
+  float pixel_error; /* how far a stone's outline may be off, pixels; 0 = 2 */
   bool wireframe;
   bool shadows_off;
   bool draft;                     /* coarser stones and shadows, for pictures that last for a moment */

@@ -68,6 +68,10 @@ uint32_t render_fit_cascades(const render_cascade_desc* desc, render_cascade* ca
   farthest += casters.max[2] - casters.min[2];
   if (nearest < farthest * 0.004f) nearest = farthest * 0.004f;
 
+  /* One cascade over all casters will do where its texels are no larger than the nearest pixels. */
+  const float whole = fmaxf(casters.max[0] - casters.min[0], casters.max[1] - casters.min[1]);
+  const bool single = whole < desc->pixel * nearest * (float)desc->size;
+
   uint32_t used = 0;
   float from = nearest < 1.0f ? 0 : nearest * 0.5f;
   for (uint32_t i = 0; i < desc->count; ++i) {
@@ -88,8 +92,8 @@ uint32_t render_fit_cascades(const render_cascade_desc* desc, render_cascade* ca
     float side = 0;
     bool empty = false, all = true;
     for (int a = 0; a < 2; ++a) {
-      cascade->min[a] = fmaxf(seen.min[a], casters.min[a]);
-      cascade->max[a] = fminf(seen.max[a], casters.max[a]);
+      cascade->min[a] = single ? casters.min[a] : fmaxf(seen.min[a], casters.min[a]);
+      cascade->max[a] = single ? casters.max[a] : fminf(seen.max[a], casters.max[a]);
       empty = empty || cascade->min[a] >= cascade->max[a];
       all = all && cascade->min[a] <= casters.min[a] && cascade->max[a] >= casters.max[a];
       side = fmaxf(side, cascade->max[a] - cascade->min[a]);

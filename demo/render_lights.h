@@ -16,6 +16,7 @@ typedef struct render_cascade_desc {
   float eye[3], forward[3];             /* unit forward */
   float right[3], up[3];                /* times the tangents of half the fields of view */
   float casters_min[3], casters_max[3]; /* world box of all that casts shadows */
+  float pixel;                          /* metres across a pixel at distance 1 */
   uint32_t size;                        /* texels a side */
   uint32_t count;                       /* cascades wanted, 1..RENDER_CASCADES */
 } render_cascade_desc;

@@ -40,10 +40,9 @@ uint32_t render_pack_size(float metres) {
   return steps <= 0 ? 0 : steps >= 65535 ? 65535 : (uint32_t)(steps + 0.5f);
 }
 
-bool render_list_choose(render_list* list, const render_view* view, render_cache* cache, const render_stone* stones,
-                        uint32_t count) {
+bool render_list_choose(render_list* list, const render_view* view, render_cache* cache, const render_stone* stones, uint32_t count,
+                        uint8_t* levels) {
   list->instance_count = 0; /* number of picks until the list is built */
-  list->error = 0;
   for (uint32_t i = 0; i < count; ++i) {
     const render_stone* stone = &stones[i];
     const render_cached_source* slot = &cache->sources[stone->source];
@@ -56,6 +55,7 @@ bool render_list_choose(render_list* list, const render_view* view, render_cache
       const float* plane = view->planes[p];
       out = plane[0] * centre[0] + plane[1] * centre[1] + plane[2] * centre[2] + plane[3] < -radius;
     }
+    if (!view->parallel) levels[i] = RENDER_UNSEEN;
     if (out) continue;
     float distance = 0;
     if (!view->parallel) {
@@ -63,9 +63,12 @@ bool render_list_choose(render_list* list, const render_view* view, render_cache
       distance = sqrtf(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
     }
     uint32_t lod = render_choose_lod(view, asset, slot->source.lod_count, size, distance), found;
+    if (!view->parallel)
+      levels[i] = (uint8_t)lod;
+    else if (levels[i] != RENDER_UNSEEN)
+      lod = levels[i];
     if (!reserve(&list->picks, &list->pick_capacity, list->instance_count + 1, sizeof *list->picks)) return false;
     list->picks[list->instance_count++] = (render_pick_item){i, lod};
-    if (asset->errors[lod] * size > list->error) list->error = asset->errors[lod] * size;
     render_cache_find(cache, stone->source, stone->asset, lod, &found);
   }
   return true;

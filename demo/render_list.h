@@ -52,9 +52,13 @@ uint32_t render_choose_lod(const render_view* view, const render_asset* asset, u
 /* A length as frame.glsl's tag_size reads it: 16 bits of its logarithm, true to 0.04 %. */
 uint32_t render_pack_size(float metres);
 
-/* Chooses stones and levels, and notes absent meshes with the cache as wanted. Returns false when memory is short. */
-bool render_list_choose(render_list* list, const render_view* view, render_cache* cache, const render_stone* stones,
-                        uint32_t count);
+#define RENDER_UNSEEN 255
+
+/* Chooses stones and levels, and notes absent meshes with the cache as wanted. Returns false when memory is short.
+ * levels: `count` elements. The camera's view fills it (RENDER_UNSEEN where a stone is out); a parallel view takes from it: a stone
+ * casts the shadow of the mesh that it is seen as, or the two would lie in and out of each other and speckle. */
+bool render_list_choose(render_list* list, const render_view* view, render_cache* cache, const render_stone* stones, uint32_t count,
+                        uint8_t* levels);
 
 /* Fills instances, commands and spans with what is there, after the cache had its chance to decode. Base instances start at
  * first_instance. */

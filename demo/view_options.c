@@ -22,7 +22,7 @@ static const char usage[] =
     "                        default: the scene's\n"
     "      --samples N       jittered samples a pixel, 1..256; default: 8, and as many as patience gives in a window\n"
     "      --lod L           one level of detail for every stone, 0 is the finest; default: what each needs on the screen\n"
-    "      --pixel-error X   pixels that an outline may be off when a level is chosen, 0.05..50; default: 0.6\n"
+    "      --pixel-error X   pixels between two levels, at most, when one is chosen, 0.05..50; default: 2\n"
     "      --colour WHAT     stone, or what tells: lod (level of detail) or tile (code of the corner cube)\n"
     "      --wireframe       draw the edges of the meshes as well\n"
     "      --no-indirect     draw with what OpenGL 3.3 has, even where there is more\n"

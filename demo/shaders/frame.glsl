@@ -3,7 +3,7 @@
 layout(std140) uniform Frame {
   mat4 clip_from_world;      // with this sample's sub-pixel jitter
   mat4 shadow_from_world[3]; // into [0, 1]^3 of a cascade
-  vec4 cascade[3];           // x: metres per texel, y: depth range in metres, z: error of its meshes in metres
+  vec4 cascade[3];           // x: metres per texel, y: depth range in metres
   vec4 eye;                  // w: metres across one pixel at distance 1
   vec4 right;                // times the tangent of half the horizontal field of view
   vec4 up;                   // times the tangent of half the vertical field of view

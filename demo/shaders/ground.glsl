@@ -1,34 +1,48 @@
-// The ground: dry sand with thin grass in patches; it fades to its mean colour with distance.
+// The ground: dry earth with thin grass. Its noise has no scale of its own: whatever the distance, there are octaves of about 5 to
+// 80 pixels, each faded in and out as the eye comes nearer, so that a close view is never smooth and a far one never stripes.
 Surface ground_surface(vec3 point, vec3 normal, float unit, float pixel) {
-  vec3 q = point / unit;
-  float footprint = pixel / unit;
-  vec4 wide = noise(q * 0.031, footprint * 0.031);
-  vec4 broad = noise(MIX * q * 0.17, footprint * 0.17);
-  vec4 medium = noise(q * 0.93, footprint * 0.93);
-  vec4 fine = noise(MIX * q * 4.1, footprint * 4.1);
-  vec4 sand = noise(q * 17.0, footprint * 17.0);
-
-  vec3 slope = 0.08 * 0.17 * (broad.yzw * MIX) + 0.040 * 0.93 * medium.yzw + 0.014 * 4.1 * (fine.yzw * MIX) + 0.0060 * 17.0 * sand.yzw;
+  float level = max(log2(pixel * 5.0), log2(unit * 0.04));
+  // Seen at a slant, isotropic noise is a pattern of stripes: let it go towards the horizon.
+  float slant = smoothstep(0.015, 0.16, abs(dot(normal, normalize(point - eye.xyz))));
+  float whole = floor(level), part = level - whole;
+  float wavelength = exp2(whole);
+  float small = 0.0, large = 0.0;
+  vec3 slope = vec3(0.0), q = point;
+  mat3 back = mat3(1.0);
+  for (int i = 0; i < 5; ++i) {
+    vec4 n = noise(q / wavelength, pixel / wavelength);
+    float weight = i == 0 ? 1.0 - part : i == 4 ? part : 1.0;
+    if (i < 3) small += weight * n.x;
+    if (i > 0) large += weight * n.x;
+    slope += weight * 0.055 * (n.yzw * back);
+    q = MIX * q;
+    back = MIX * back;
+    wavelength *= 2.0;
+  }
+  small *= slant;
+  large *= slant;
+  slope *= slant;
+  // Patches of grass keep their place in the world.
+  vec4 wide = noise(point / (unit * 23.0), pixel / (unit * 23.0));
+  vec4 broad = noise(MIX * point / (unit * 6.0), pixel / (unit * 6.0));
   float pit;
-  vec4 grain = triplanar_detail(q * 0.55, normal, footprint * 0.55, pit);
-  slope += 0.55 * grain.xyz;
+  vec4 grain = triplanar_detail(point / (unit * 1.6), normal, pixel / (unit * 1.6), pit);
+  slope += 0.5 * grain.xyz;
 
-  // Far away, patches would join into stripes.
-  float near = exp2(-length(point - eye.xyz) / (60.0 * unit));
-  broad.x *= near;
-  wide.x *= near;
-
-  vec3 mean = 0.86 * ground_colour.rgb;
-  vec3 earth = mean * mix(vec3(1.16, 1.10, 1.12), vec3(0.88, 0.84, 0.82), smoothstep(-0.40, 0.40, broad.x + 0.6 * medium.x + 0.5 * fine.x));
-  float grass = smoothstep(-0.05, 0.45, 0.7 * wide.x + 0.7 * broad.x + 0.30 * medium.x + 0.35 * fine.x + 0.25 * sand.x);
-  vec3 green = mean * mix(vec3(0.58, 0.70, 0.44), vec3(0.92, 0.98, 0.72), clamp(0.5 + 0.8 * fine.x + 0.9 * sand.x, 0.0, 1.0));
-  vec3 albedo = mix(earth, green, 0.75 * grass);
-  albedo *= 1.0 + 0.10 * medium.x + 0.24 * fine.x + 0.40 * sand.x + 0.30 * grain.w;
+  // Greener colours are less so: a lawn is not what stones lie on.
+  float grey = dot(ground_colour.rgb, vec3(0.2126, 0.7152, 0.0722));
+  vec3 mean = 0.80 * mix(ground_colour.rgb, vec3(1.06, 1.0, 0.78) * grey, 0.40);
+  float steep = smoothstep(0.96, 0.72, normal.y);
+  float grass = smoothstep(-0.30, 0.55, slant * (0.7 * wide.x + 0.6 * broad.x) + 0.55 * large + 0.35 * small - 0.5 * steep);
+  vec3 earth = mean * mix(vec3(1.30, 1.14, 1.02), vec3(0.88, 0.80, 0.74), smoothstep(-0.5, 0.5, large + 0.6 * broad.x));
+  vec3 green = mean * mix(vec3(0.58, 0.66, 0.44), vec3(0.90, 0.95, 0.66), clamp(0.5 + 0.9 * small, 0.0, 1.0));
+  vec3 albedo = mix(earth, green, 0.85 * grass);
+  albedo *= max(1.0 + 0.36 * small + 0.30 * grain.w, 0.2);
 
   Surface result;
   slope -= normal * dot(slope, normal);
-  result.normal = normalize(normal - slope * mix(1.0, 1.4, grass));
-  result.albedo = albedo;
+  result.normal = normalize(normal - slope * mix(1.0, 1.5, grass));
+  result.albedo = max(albedo, 0.01);
   result.cavity = 0.0;
   return result;
 }

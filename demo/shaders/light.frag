@@ -58,7 +58,7 @@ void main() {
   if (kind == KIND_STONE)
     surface = stone_surface(point, normal, tag_colour(tags), cell, tags.x, pixel);
   else
-    surface = ground_surface(point, normal, ground.z, pixel);
+    surface = ground_surface(point, normal, clamp(ground.z, 0.25, 1.5), pixel);
 
   // The pattern of the taps goes with a mean over the neighbours on the same surface: the noise is made for three by three.
   float open = 0.0, total = 0.0;
@@ -73,8 +73,8 @@ void main() {
   open /= max(total, 1.0);
   open = mix(1.0, open, occlusion.w);
   float baked = kind == KIND_STONE ? seen.w : 1.0;
-  open = pow(open, 1.35); // what lies beyond the search hides some sky, too
-  float ambient = open * mix(1.0, baked, 0.75) * (1.0 - 0.30 * surface.cavity);
+  open = pow(open, 1.6); // what lies beyond the search hides some sky, too
+  float ambient = open * mix(1.0, baked, 0.9) * (1.0 - 0.30 * surface.cavity);
 
   if (kind == KIND_STONE) {
     bool told;

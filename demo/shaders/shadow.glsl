@@ -23,7 +23,7 @@ float sunlight(vec3 point, vec3 normal, float turn) {
   for (int c = 0; c < mode.z; ++c) {
     float texel = cascade[c].x;
     float slope = sqrt(1.0 - facing * facing);
-    vec3 lifted = point + normal * (texel * (0.4 + 1.1 * slope) + cascade[c].z * (0.3 + 0.7 * slope));
+    vec3 lifted = point + normal * (texel * (0.4 + 1.1 * slope));
     vec3 place = (shadow_from_world[c] * vec4(lifted, 1.0)).xyz;
     vec2 scale = vec2(length(vec3(shadow_from_world[c][0].x, shadow_from_world[c][1].x, shadow_from_world[c][2].x)),
                       length(vec3(shadow_from_world[c][0].y, shadow_from_world[c][1].y, shadow_from_world[c][2].y)));

@@ -1,7 +1,7 @@
 // Sky, haze and the light that comes from them.
 vec3 sky_radiance(vec3 direction) {
   float height = max(direction.y, 0.0);
-  vec3 colour = mix(sky_horizon.rgb, sky_zenith.rgb, 1.0 - exp2(-4.6 * height));
+  vec3 colour = mix(sky_horizon.rgb, sky_zenith.rgb, 1.0 - exp2(-6.0 * height));
   colour = mix(colour, sky_haze.rgb, exp2(-18.0 * height));
   float towards = max(dot(direction, sun.xyz), 0.0);
   colour *= 1.25; // the sky is bright beside what it lights
@@ -13,7 +13,7 @@ vec3 sky_light(vec3 normal) {
   float upward = normal.y * 0.5 + 0.5;
   vec3 dome = mix(0.80 * sky_horizon.rgb, mix(sky_horizon.rgb, sky_zenith.rgb, 0.5), smoothstep(0.25, 1.0, upward));
   dome += 0.05 * sun_colour.rgb * max(dot(normalize(normal + vec3(0.0, 0.4, 0.0)), sun.xyz), 0.0);
-  return dome * upward * 0.80;
+  return dome * upward * 0.68;
 }
 
 // Light that the sunlit ground throws back up.

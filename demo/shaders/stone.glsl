@@ -10,7 +10,7 @@ struct Surface {
 vec4 triplanar_detail(vec3 q, vec3 normal, float footprint, out float pit) {
   vec3 weight = pow(abs(normal), vec3(6.0));
   weight /= weight.x + weight.y + weight.z;
-  float level = log2(max(footprint * 512.0, 1.0));
+  float level = log2(max(footprint * SHARP * 512.0, 1.0));
   vec4 x = textureLod(detail_map, q.zy, level) * 2.0 - 1.0;
   vec4 y = textureLod(detail_map, q.xz, level) * 2.0 - 1.0;
   vec4 z = textureLod(detail_map, q.xy, level) * 2.0 - 1.0;
