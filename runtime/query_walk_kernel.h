@@ -55,6 +55,24 @@ typedef struct cube_view {
 
 /* --- bounds ---------------------------------------------------------------------------------------------------------------- */
 
+/* How fast a mesh's distance changes in each part: less than anywhere, where a part is small and the surface smooth. */
+static void mesh_slopes(const support_op* op, const parts* p, float slopes[PARTS]) {
+  const support_mesh* g = op->mesh.grid;
+  const float small = op->mesh.frame.scale * g->step * (MESH_BRICK * 0.999f);
+  for (int i = 0; i < PARTS; i += SIMD_WIDTH) {
+    vpoint q = into_frame(&op->mesh.frame, (vpoint){v_load(p->x + i), v_load(p->y + i), v_load(p->z + i)});
+    const vfloat at[3] = {q.x, q.y, q.z};
+    vint index = v_set_int(0);
+    for (int a = 2; a >= 0; --a) {
+      vfloat cell = (at[a] - v_set(g->low[a])) * v_set(g->inverse_step);
+      vint brick = v_truncate(v_clamp(cell, v_set(0), v_set((float)(g->size[a] - 2)))) / MESH_BRICK;
+      index = index * v_set_int((int32_t)g->bricks[a]) + brick;
+    }
+    vfloat near = v_gather(g->brick_lipschitz, index), radius = v_load(p->radius + i);
+    v_store(slopes + i, v_select(radius <= v_set(small), near, v_set(g->lipschitz)));
+  }
+}
+
 static void bound_leaf(walk* w, const support_op* op, const parts* p, float* low, float* high) {
   const query_run* run = w->run;
   float value[PARTS];
@@ -62,8 +80,14 @@ static void bound_leaf(walk* w, const support_op* op, const parts* p, float* low
   float top = (op->flipped ? -run->relevant_low : run->relevant_high) + op->slack_high;
   float bottom = (op->flipped ? -run->relevant_high : run->relevant_low) - op->slack_low;
   const vfloat infinite = v_set(INFINITY);
+  float slopes[PARTS];
+  if (op->kind == OP_MESH) {
+    mesh_slopes(op, p, slopes);
+  } else {
+    for (int i = 0; i < PARTS; i += SIMD_WIDTH) v_store(slopes + i, v_set(op->lipschitz));
+  }
   for (int i = 0; i < PARTS; i += SIMD_WIDTH) {
-    vfloat reach = v_load(p->radius + i) * v_set(op->lipschitz * 1.00001f) + v_set(run->margin);
+    vfloat reach = v_load(p->radius + i) * v_load(slopes + i) * v_set(1.00001f) + v_set(run->margin);
     vfloat l = v_load(value + i) - reach, h = v_load(value + i) + reach;
     vint above = l > v_set(top), below = h < v_set(bottom);
     v_store(low + i, v_select(above, infinite, v_select(below, -infinite, l)));
@@ -382,7 +406,8 @@ typedef struct axis_places {
 } axis_places;
 
 /* A straddling cube, child `child` of the node at `node`: block by block. */
-static void visit_cube(walk* w, const int64_t node[3], uint32_t child, axis_places* places, program_view program) {
+__attribute__((noinline)) static void visit_cube(walk* w, const int64_t node[3], uint32_t child, axis_places* places,
+                                                 program_view program) {
   const query_run* run = w->run;
   const scree_field* field = w->field;
   const field_balls* balls = &field->balls;
@@ -426,7 +451,7 @@ static void visit_cube(walk* w, const int64_t node[3], uint32_t child, axis_plac
 }
 
 /* All rocks of whole cubes: low <= at < high, as far as their cells belong to the query. */
-static void emit_cubes(walk* w, const int64_t low[3], const int64_t high[3]) {
+__attribute__((noinline)) static void emit_cubes(walk* w, const int64_t low[3], const int64_t high[3]) {
   const query_run* run = w->run;
   const scree_field* field = w->field;
   cube_view c;

@@ -253,23 +253,44 @@ static void run_jobs(const scree_jobs* jobs, uint32_t count, void (*run)(void*, 
 
 /* --- the grid -------------------------------------------------------------------------------------------------------------- */
 
-/* The steepest that the interpolated distance can be: in each cell, each slope lies between those of four edges. */
-static float steepest(const builder* b) {
+/* The steepest that the interpolated distance can be in a cell: each slope lies between those of four edges. */
+static float cell_slope(const float* s, size_t row, size_t plane) {
+  const float *t = s + plane, *u = s + row, *v = t + row; /* the lines of this cell */
+  float x = steeper(steeper(steeper(steeper(0, s[0], s[1]), t[0], t[1]), u[0], u[1]), v[0], v[1]);
+  float y = steeper(steeper(steeper(steeper(0, s[0], u[0]), s[1], u[1]), t[0], v[0]), t[1], v[1]);
+  float z = steeper(steeper(steeper(steeper(0, s[0], t[0]), s[1], t[1]), u[0], v[0]), u[1], v[1]);
+  return sqrtf(x * x + y * y + z * z);
+}
+
+static size_t brick_at(const support_mesh* g, size_t x, size_t y, size_t z) {
+  return (z * g->bricks[1] + y) * g->bricks[0] + x;
+}
+
+/* Fills brick_lipschitz and lipschitz; `own` is scratch for the bricks without their neighbours. One quantum is `quantum` steps. */
+static void measure_slopes(const builder* b, support_mesh* g, float* own, float quantum) {
   const size_t row = b->size[0], plane = row * b->size[1];
-  float worst2 = 0;
+  memset(own, 0, sizeof *own * g->bricks[0] * g->bricks[1] * g->bricks[2]);
   for (size_t k = 0; k + 1 < b->size[2]; ++k)
-    for (size_t j = 0; j + 1 < b->size[1]; ++j) {
-      const float* s = b->distance + k * plane + j * row;
-      for (size_t i = 0; i + 1 < b->size[0]; ++i, ++s) {
-        const float *t = s + plane, *u = s + row, *v = t + row; /* the lines of this cell */
-        float x = steeper(steeper(steeper(steeper(0, s[0], s[1]), t[0], t[1]), u[0], u[1]), v[0], v[1]);
-        float y = steeper(steeper(steeper(steeper(0, s[0], u[0]), s[1], u[1]), t[0], v[0]), t[1], v[1]);
-        float z = steeper(steeper(steeper(steeper(0, s[0], t[0]), s[1], t[1]), u[0], v[0]), u[1], v[1]);
-        float slope2 = x * x + y * y + z * z;
-        if (slope2 > worst2) worst2 = slope2;
+    for (size_t j = 0; j + 1 < b->size[1]; ++j)
+      for (size_t i = 0; i + 1 < b->size[0]; ++i) {
+        float slope = cell_slope(b->distance + k * plane + j * row + i, row, plane);
+        float* brick = &own[brick_at(g, i / MESH_BRICK, j / MESH_BRICK, k / MESH_BRICK)];
+        if (slope > *brick) *brick = slope;
       }
-    }
-  return sqrtf(worst2);
+  g->lipschitz = 1; /* beside the grid */
+  for (size_t z = 0; z < g->bricks[2]; ++z)
+    for (size_t y = 0; y < g->bricks[1]; ++y)
+      for (size_t x = 0; x < g->bricks[0]; ++x) {
+        float steepest = 0;
+        for (size_t c = z > 0 ? z - 1 : 0; c <= z + 1 && c < g->bricks[2]; ++c)
+          for (size_t d = y > 0 ? y - 1 : 0; d <= y + 1 && d < g->bricks[1]; ++d)
+            for (size_t e = x > 0 ? x - 1 : 0; e <= x + 1 && e < g->bricks[0]; ++e)
+              if (own[brick_at(g, e, d, c)] > steepest) steepest = own[brick_at(g, e, d, c)];
+        steepest *= quantum * 1.0001f;
+        if (steepest < 1) steepest = 1;
+        g->brick_lipschitz[brick_at(g, x, y, z)] = steepest;
+        if (steepest > g->lipschitz) g->lipschitz = steepest;
+      }
 }
 
 /* Lays the grid over the mesh's box. */
@@ -304,7 +325,7 @@ static void snap_vertices(const builder* b, const support_mesh* grid, const scre
     }
 }
 
-static void fill_grid(builder* b, support_mesh* grid, const scree_jobs* jobs) {
+static void fill_grid(builder* b, support_mesh* grid, float* brick_scratch, const scree_jobs* jobs) {
   run_jobs(jobs, (b->size[2] + ROWS_PER_JOB - 1) / ROWS_PER_JOB, start_slab, b);
   for (b->pass = 0; b->pass < 6 * ROUNDS; b->pass += 2) {
     b->axis = b->pass / 2 % 3;
@@ -320,8 +341,7 @@ static void fill_grid(builder* b, support_mesh* grid, const scree_jobs* jobs) {
     b->distance[s] = b->inside[s >> 3] >> (s & 7) & 1 ? -steps : steps;
   }
   grid->quantum = quantum * grid->step;
-  grid->lipschitz = steepest(b) * quantum * 1.0001f;
-  if (grid->lipschitz < 1) grid->lipschitz = 1; /* beside the grid */
+  measure_slopes(b, grid, brick_scratch, quantum);
 
   grid->samples = (uint32_t*)b->nearest; /* its work is done */
   for (size_t s = 0; s < count; ++s) {
@@ -343,13 +363,23 @@ scree_result support_mesh_create(support_mesh* grid, const scree_shape* shape, c
   b.nearest = allocate(allocator, count, sizeof *b.nearest);
   b.inside = allocate_zeroed(allocator, bytes, 1);
   b.changed = allocate_zeroed(allocator, count, 1);
-  bool complete = b.vertices != NULL && b.distance != NULL && b.nearest != NULL && b.inside != NULL && b.changed != NULL;
+  size_t bricks = 1;
+  for (int a = 0; a < 3; ++a) {
+    grid->bricks[a] = (grid->size[a] - 1 + MESH_BRICK - 1) / MESH_BRICK;
+    bricks *= grid->bricks[a];
+  }
+  float* brick_scratch = allocate(allocator, bricks, sizeof *brick_scratch);
+  grid->brick_lipschitz = allocate(allocator, bricks, sizeof *grid->brick_lipschitz);
+  bool complete = b.vertices != NULL && b.distance != NULL && b.nearest != NULL && b.inside != NULL && b.changed != NULL &&
+                  brick_scratch != NULL && grid->brick_lipschitz != NULL;
   if (complete) {
     snap_vertices(&b, grid, shape);
-    fill_grid(&b, grid, jobs);
+    fill_grid(&b, grid, brick_scratch, jobs);
   } else {
     release(allocator, b.nearest, count, sizeof *b.nearest);
+    support_mesh_destroy(grid, allocator);
   }
+  release(allocator, brick_scratch, bricks, sizeof *brick_scratch);
   release(allocator, b.vertices, shape->mesh.vertex_count, sizeof *b.vertices);
   release(allocator, b.distance, count, sizeof *b.distance);
   release(allocator, b.inside, bytes, 1);
@@ -359,5 +389,7 @@ scree_result support_mesh_create(support_mesh* grid, const scree_shape* shape, c
 
 void support_mesh_destroy(support_mesh* grid, const scree_allocator* allocator) {
   release(allocator, grid->samples, (size_t)grid->size[0] * grid->size[1] * grid->size[2], sizeof *grid->samples);
+  release(allocator, grid->brick_lipschitz, (size_t)grid->bricks[0] * grid->bricks[1] * grid->bricks[2], sizeof(float));
   grid->samples = NULL;
+  grid->brick_lipschitz = NULL;
 }

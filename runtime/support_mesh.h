@@ -4,6 +4,9 @@
 
 #include <scree/support.h>
 
+/* Cells along each side of a brick. */
+#define MESH_BRICK 8
+
 typedef struct support_mesh {
   /* size[0] * size[1] * size[2], x fastest: the sample in the low 16 bits and its neighbour along y in the high ones, both signed
    * multiples of `quantum`, negative inside, > 0 on the grid's outer faces. So two loads of 64 bits give all eight corners. */
@@ -15,7 +18,11 @@ typedef struct support_mesh {
   float high[3];    /* of the last sample */
   float step;       /* metres between samples */
   float inverse_step;
-  float lipschitz; /* of the interpolated distance */
+  float lipschitz; /* of the interpolated distance: up to sqrt(3) where surfaces are equally far */
+  /* The same for what lies in a brick of cells or its neighbours, so within MESH_BRICK cells of any point of the brick: by a smooth
+   * surface that is hardly more than 1. bricks[0] * bricks[1] * bricks[2], x fastest. */
+  float* brick_lipschitz;
+  uint32_t bricks[3];
 } support_mesh;
 
 /* Checks that the mesh is closed and not inside out; its numbers were checked before. shape_index is for the error's text.

@@ -93,6 +93,12 @@ static uint64_t fill(bench* b, const scree_query_desc* desc) {
 /* Median seconds; SCREE_BENCH_BEST in the environment asks for the best instead, for tuning on a busy machine. */
 static double time_query(bench* b, const scree_query_desc* desc, uint64_t* count) {
   double times[RUNS];
+  if (scree_query_count(desc, count) != SCREE_OK) die("the query failed");
+  if (*count > b->capacity) { /* packs with many stones a cell */
+    free(b->buffer);
+    b->capacity = *count + FIELD_OCTET;
+    b->buffer = must(malloc(b->capacity * sizeof *b->buffer));
+  }
   *count = fill(b, desc);
   for (int run = 0; run < RUNS; ++run) {
     double start = seconds();

@@ -434,6 +434,35 @@ static void mesh_grid_is_the_signed_distance_of_a_knot(void** state) {
   check_mesh_grid(&shape, 1500);
 }
 
+/* The walk takes a brick's own bound for parts within MESH_BRICK cells of a point in it. */
+static void mesh_distance_keeps_the_bounds_of_its_bricks(void** state) {
+  (void)state;
+  float positions[3 * TUBE_RINGS * TUBE_SIDES];
+  uint32_t indices[6 * TUBE_RINGS * TUBE_SIDES];
+  scree_shape shape = knot(positions, indices);
+  scree_support* support = one_shape(&shape);
+  const support_mesh* g = &support->meshes[0];
+  random_stream r = {12};
+  int smooth = 0;
+  for (int i = 0; i < 20000; ++i) {
+    double p[3], q[3], apart = 0, step = (double)g->step, reach = random_below(&r, 2) ? 0.5 : 4.5;
+    uint32_t brick[3];
+    for (int a = 0; a < 3; ++a) {
+      double cell = random_in(&r, 0, g->size[a] - 1);
+      brick[a] = (uint32_t)cell / MESH_BRICK;
+      p[a] = (double)(float)(g->middle[a] + (double)g->low[a] + cell * step);
+      q[a] = (double)(float)(p[a] + random_in(&r, -reach, reach) * step);
+      apart += (p[a] - q[a]) * (p[a] - q[a]);
+    }
+    double bound = (double)g->brick_lipschitz[(brick[2] * g->bricks[1] + brick[1]) * g->bricks[0] + brick[0]];
+    assert_true(bound >= 1 && bound <= (double)g->lipschitz);
+    assert_true(fabs(distance_at(support, p) - distance_at(support, q)) <= bound * sqrt(apart) + 1e-5);
+    smooth += bound < 0.9 * (double)g->lipschitz;
+  }
+  assert_true(smooth > 100); /* or bricks would be for nothing */
+  scree_support_destroy(support);
+}
+
 static void mesh_grid_is_the_signed_distance_of_a_square_ring(void** state) {
   (void)state;
   random_stream r = {9};
@@ -774,6 +803,7 @@ int main(void) {
       cmocka_unit_test(distances_do_not_depend_on_the_company_of_a_point),
       cmocka_unit_test(nothing_of_a_support_lies_outside_its_bounds),
       cmocka_unit_test(mesh_grid_is_the_signed_distance_of_a_knot),
+      cmocka_unit_test(mesh_distance_keeps_the_bounds_of_its_bricks),
       cmocka_unit_test(mesh_grid_is_the_signed_distance_of_a_square_ring),
       cmocka_unit_test(mesh_signs_survive_faces_in_the_planes_of_the_grid),
       cmocka_unit_test(every_worker_builds_the_same_mesh_grid),

@@ -46,10 +46,17 @@ typedef struct scree_query_desc {
   double origin[3];      /* positions are delivered relative to this world point, metres; it never decides which rocks exist */
   double min[3], max[3]; /* world box; a rock belongs to the box that holds its home cell's centre, min <= c < max, so boxes that
                             share a face share no rock; all zero = wherever the support is */
-  float threshold;       /* share of a rock's volume that must lie inside the support, 0..1 exclusive; 0 = 0.5 */
+  float threshold;       /* share of a rock's volume that must lie inside the support, 0..1 exclusive; 0 = 0.5; see below */
   float shell_depth;     /* metres; 0 = twice the largest radius of the pack, the paper's depth */
   uint32_t flags;        /* SCREE_QUERY_... */
 } scree_query_desc;
+
+/* Which rocks exist: those whose centroid's signed distance to the support is at most (1 - 2 threshold) * r, with r the mean of the
+ * rock's inner and outer radius in metres; for one half, the centroid has to be inside. This is decided in the support's space,
+ * from the home cell's integers and the difference of the two origins: neither the box, nor the query's origin, nor the order of
+ * anything can matter, and where field and support move together by a distance that doubles hold exactly, nothing changes at all.
+ *
+ * Queries use up to 100 KiB of the calling thread's stack, whatever the support, plus what a callback uses. */
 
 /* How many rocks the query finds. The count is exact. Returns SCREE_OK, INVALID_ARGUMENT or RANGE (a box beyond the int32 cubes).
  * Thread-safe; allocates nothing. */
@@ -57,6 +64,7 @@ SCREE_API scree_result scree_query_count(const scree_query_desc* desc, uint64_t*
 
 /* Finds the rocks. Their order is fixed for one box, by no rule that is promised.
  * instances: `capacity` elements. ids: NULL or `capacity` elements, the same order. count: how many there are, always delivered.
+ * Elements past the count may have been written to.
  * Returns SCREE_OK, CAPACITY (the first `capacity` rocks were written), INVALID_ARGUMENT or RANGE. Thread-safe; allocates nothing.
  */
 SCREE_API scree_result scree_query_fill(const scree_query_desc* desc, scree_instance* instances, scree_id* ids, uint64_t capacity,

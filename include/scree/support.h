@@ -33,8 +33,9 @@ typedef struct scree_transform {
   float scale;          /* uniform, > 0; 0 = 1 */
 } scree_transform;
 
-/* Signed distances of `count` points, metres, negative inside; x, y, z and distance have `count` elements. Must be a pure function
- * and may be called from several threads. |f(p) - f(q)| <= lipschitz * |p - q| must hold. */
+/* Signed distances of `count` points in the shape's own space, metres, negative inside; x, y, z and distance have `count` elements,
+ * count is at most 64 and points may repeat. Must be a pure function of each point by itself and may be called from several
+ * threads. |f(p) - f(q)| <= lipschitz * |p - q| must hold, but for rounding. */
 typedef void (*scree_distance_fn)(void* user, const float* x, const float* y, const float* z, float* distance, uint32_t count);
 
 typedef struct scree_shape {
@@ -62,18 +63,19 @@ typedef struct scree_shape {
       uint32_t width, depth; /* samples, each >= 2 */
       float spacing;         /* metres between samples, > 0; the field is centred on x = z = 0 */
       float above, below;    /* the layer reaches from the surface + above to the surface - below; metres, above + below > 0 */
-    } heightfield;
+    } heightfield;           /* bilinear; distances are scaled down by the steepest slope anywhere, so that none is too large */
     struct {
       const float* positions;  /* 3 * vertex_count; copied */
       const uint32_t* indices; /* 3 * triangle_count, counter-clockwise from outside */
       uint32_t vertex_count, triangle_count;
       uint32_t resolution; /* cells of the distance grid along the longest side, 0 = 128, 8..512 */
-    } mesh;
+    } mesh; /* closed: each edge used once in each direction; volume > 0; overlapping parts unite. Distances are interpolated
+               between the samples of the grid, so that details finer than its cells are rounded off */
     struct {
       scree_distance_fn distance;
       void* user;           /* must outlive the support */
       float lipschitz;      /* >= the true bound; 0 = 1 */
-      float min[3], max[3]; /* box that holds every point with distance <= 0 */
+      float min[3], max[3]; /* box of all points with distance <= 0; outside, a distance counts as at least that to the box */
     } callback;
     struct {
       const uint32_t* children; /* indices into scree_support_desc.shapes, each greater than this shape's own index */
@@ -90,18 +92,22 @@ typedef struct scree_support_desc {
   scree_jobs jobs;           /* used while mesh distance grids are built */
 } scree_support_desc;
 
-/* Compiles a support. Everything that `desc` points at is copied, callbacks' user pointers excepted.
+/* Compiles a support. Everything that `desc` points at is copied, callbacks' user pointers excepted. A mesh of 75,000 triangles at
+ * resolution 128 takes about a second of one core; its grid 4 bytes a sample, while it is made 14.
+ * Limits: 4096 shapes in the tree, one that is used twice counting twice; groups 32 deep; 1e9 metres. Shapes that the root does not
+ * reach are checked too.
  * error: may be NULL; says which shape is wrong and how.
- * Returns SCREE_OK, INVALID_ARGUMENT (tree order, NULLs), RANGE (a number outside its range or not finite), NOT_CLOSED (a mesh with
- * a border; the error names an edge) or OUT_OF_MEMORY. */
+ * Returns SCREE_OK, INVALID_ARGUMENT (tree order, NULLs, a mesh that is inside out), RANGE (a number outside its range or not
+ * finite), NOT_CLOSED (a mesh with a border; the error names an edge) or OUT_OF_MEMORY. */
 SCREE_API scree_result scree_support_create(const scree_support_desc* desc, const scree_allocator* allocator, scree_support** out,
                                             scree_error* error);
 SCREE_API void scree_support_destroy(scree_support* support);
 
-/* The world box that holds the support. */
+/* The world box that holds the support; of no size if nothing can be inside. Thread-safe. */
 SCREE_API void scree_support_bounds(const scree_support* support, double min[3], double max[3]);
 
-/* Signed distances of `count` world points relative to the support's origin, as the queries see them; the slow, plain way. */
+/* Signed distances of `count` world points relative to the support's origin, as the queries see them; the slow, plain way.
+ * A point's distance does not depend on the others of the call. Allocates nothing, uses 10 KiB of stack. Thread-safe. */
 SCREE_API void scree_support_distance(const scree_support* support, const float* x, const float* y, const float* z, float* distance,
                                       uint32_t count);
 
