@@ -3,6 +3,7 @@
 #include "surface_nets.h"
 
 #include <math.h>
+#include <stdbool.h>
 
 void surface_nets_bounds(const voxel_field* field, uint32_t* vertices, uint32_t* indices) {
   uint32_t cubes = 0, edges = 0;
@@ -109,6 +110,11 @@ static int64_t distance2(const int16_t a[3], const int16_t b[3]) {
   return sum;
 }
 
+static bool is_flat(const int16_t a[3], const int16_t b[3], const int16_t c[3]) {
+  const int32_t u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, w[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
+  return u[0] * w[1] == u[1] * w[0] && u[1] * w[2] == u[2] * w[1] && u[2] * w[0] == u[0] * w[2];
+}
+
 void surface_nets_triangulate(mesh_buffer* mesh) {
   /* In place, from the end: four indices a quad become six. */
   const uint32_t quads = mesh->index_count / 4;
@@ -116,7 +122,11 @@ void surface_nets_triangulate(mesh_buffer* mesh) {
     const uint32_t* from = mesh->indices + (size_t)q * 4;
     const uint32_t a = from[0], b = from[1], c = from[2], d = from[3];
     uint32_t* to = mesh->indices + (size_t)q * 6;
-    if (distance2(mesh->positions[a], mesh->positions[c]) <= distance2(mesh->positions[b], mesh->positions[d])) {
+    const int16_t *pa = mesh->positions[a], *pb = mesh->positions[b], *pc = mesh->positions[c], *pd = mesh->positions[d];
+    bool along_ac = distance2(pa, pc) <= distance2(pb, pd);
+    /* Where one diagonal makes a triangle without area the other does not: a line misses one of the four cubes around an edge. */
+    if (along_ac ? is_flat(pa, pb, pc) || is_flat(pa, pc, pd) : is_flat(pa, pb, pd) || is_flat(pb, pc, pd)) along_ac = !along_ac;
+    if (along_ac) {
       to[0] = a, to[1] = b, to[2] = c, to[3] = a, to[4] = c, to[5] = d;
     } else {
       to[0] = a, to[1] = b, to[2] = d, to[3] = b, to[4] = c, to[5] = d;

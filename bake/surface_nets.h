@@ -30,7 +30,8 @@ typedef struct mesh_buffer {
 void surface_nets(const voxel_field* field, mesh_buffer* out);
 void surface_nets_bounds(const voxel_field* field, uint32_t* vertices, uint32_t* indices);
 
-/* Splits every quad into two triangles along its shorter diagonal. Call it when the vertices are where they shall stay. */
+/* Splits every quad into two triangles along its shorter diagonal, unless one of them would have no area. Call it when the vertices
+ * are where they shall stay. */
 void surface_nets_triangulate(mesh_buffer* mesh);
 
 #endif
