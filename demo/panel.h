@@ -15,7 +15,6 @@ typedef struct panel panel;
 /* What the panel shows; what it may change is behind pointers. */
 typedef struct panel_view {
   editor* edit;
-  const char* scene_file;
   const char* packs;         /* folder of packs to offer */
   bool panel, help, figures; /* which of its parts are open; the panel may close them */
   render_stats stats;
@@ -30,7 +29,7 @@ typedef struct panel_view {
 
 /* What its buttons ask for. */
 typedef struct panel_wishes {
-  bool save, picture, home, frame, undo, redo;
+  bool save, picture, home, undo, redo;
 } panel_wishes;
 
 /* Call after the window's own callbacks are set: it passes events on to them. NULL when there is no memory. */

@@ -558,7 +558,6 @@ static int show(viewer* v) {
   v->coarseness = 1;
   v->hot_arrow = -1;
   v->view = (panel_view){.edit = &v->edit,
-                         .scene_file = v->options->paths.scene,
                          .packs = v->options->paths.packs != NULL ? v->options->paths.packs : SCENE_DEFAULT_PACKS,
                          .panel = !v->options->no_panel,
                          .figures = !v->options->no_panel,
@@ -580,15 +579,16 @@ static int show(viewer* v) {
   return 0;
 }
 
-static void on_glfw_error(int code, const char* text) {
-  (void)code;
-  fprintf(stderr, "scree-view: %s\n", text);
+static void refuse_window(void) {
+  const char* reason = NULL;
+  glfwGetError(&reason);
+  fprintf(stderr, "scree-view: no window with OpenGL 3.3 can be opened (%s); --headless draws a picture without one\n",
+          reason != NULL ? reason : "no reason given");
 }
 
 int window_run(const view_options* options, scene_model* scene) {
-  glfwSetErrorCallback(on_glfw_error);
   if (!glfwInit()) {
-    fprintf(stderr, "scree-view: no window can be opened here; --headless draws a picture without one\n");
+    refuse_window();
     return 1;
   }
   viewer* v = calloc(1, sizeof *v);
@@ -611,7 +611,7 @@ int window_run(const view_options* options, scene_model* scene) {
     view_log_close(v->log);
     glfwDestroyWindow(v->window);
   } else if (v != NULL) {
-    fprintf(stderr, "scree-view: no window with OpenGL 3.3 can be opened here; --headless draws a picture without one\n");
+    refuse_window();
   }
   free(v);
   glfwTerminate();

@@ -70,6 +70,8 @@ case $part in
     fact pixel_error_has_a_range refuses 2 '--pixel-error' scene.json --headless --screenshot x.png --pixel-error nan
     fact colour_is_a_word refuses 2 'pink' scene.json --headless --screenshot x.png --colour pink
     fact missing_scene_is_named refuses 2 'nowhere.json' nowhere.json --headless --screenshot x.png
+    unset DISPLAY WAYLAND_DISPLAY
+    fact window_without_display_is_refused refuses 1 "no window" scene.json
     printf '{"fields": [{"pack": 3}]}' >wrong.json
     fact wrong_type_is_named refuses 2 'fields[0].pack' wrong.json --headless --screenshot x.png
     ;;
