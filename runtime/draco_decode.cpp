@@ -52,8 +52,31 @@ bool indices_are_below(const uint32_t* indices, size_t count, uint32_t limit) {
   return greatest < limit;
 }
 
+bool read_varint(const uint8_t** at, const uint8_t* end, uint32_t* value) {
+  *value = 0;
+  for (uint32_t shift = 0; shift < 32 && *at < end; shift += 7) {
+    const uint8_t byte = *(*at)++;
+    *value |= uint32_t{byte & 0x7fu} << shift;
+    if (byte < 0x80) return shift < 28 || byte < 0x10;
+  }
+  return false;
+}
+
+// Whether a blob says of itself that it is an edgebreaker mesh of bitstream 2.2 and of the size that the record has. libdraco takes
+// memory for as many triangles as a blob claims before it finds out that they are not there.
+bool head_matches(const uint8_t* blob, size_t blob_size, uint32_t triangle_count) {
+  static const uint8_t expected[] = {'D', 'R', 'A', 'C', 'O', 2, 2, draco::TRIANGULAR_MESH, draco::MESH_EDGEBREAKER_ENCODING, 0, 0};
+  if (blob_size <= sizeof expected || std::memcmp(blob, expected, sizeof expected) != 0) return false;
+  const uint8_t* at = blob + sizeof expected + 1;  // the kind of edgebreaker
+  const uint8_t* end = blob + blob_size;
+  uint32_t vertices = 0, faces = 0;
+  if (!read_varint(&at, end, &vertices) || !read_varint(&at, end, &faces)) return false;
+  return faces == triangle_count && vertices <= 3 * uint64_t{triangle_count};
+}
+
 scree_result decode(const uint8_t* blob, size_t blob_size, uint32_t vertex_count, uint32_t triangle_count, scree_vertex* vertices,
                     void* indices, uint32_t index_size) {
+  if (!head_matches(blob, blob_size, triangle_count)) return SCREE_ERROR_CORRUPT;
   draco::DecoderBuffer buffer;
   buffer.Init(reinterpret_cast<const char*>(blob), blob_size);
   draco::Mesh mesh;

@@ -424,6 +424,27 @@ static void counts_that_do_not_match_the_record_are_refused(void** state) {
   release_blob(&level);
 }
 
+static void blobs_that_claim_more_than_the_record_are_refused_before_memory_is_taken(void** state) {
+  (void)state;
+  /* Behind eleven bytes of head and the kind of edgebreaker come the numbers of vertices, of triangles, of attributes with seams
+   * and of symbols. These are 2^15, 2^28, 0 and 2^28, which fit together, and for which libdraco would take gigabytes. */
+  enum { HEAD = 12, KEPT = HEAD + 4 };
+  static const uint8_t many[] = {0x80, 0x80, 0x02, 0x80, 0x80, 0x80, 0x80, 0x01, 0, 0x80, 0x80, 0x80, 0x80, 0x01};
+  rock_lod level;
+  assert_int_equal(draco_encode(&tetrahedron, NULL, &level), SCREE_OK);
+  assert_int_equal(level.blob[HEAD], 4);
+  assert_int_equal(level.blob[HEAD + 1], 4);
+  uint8_t* blob = checked(malloc(level.blob_size + sizeof many));
+  memcpy(blob, level.blob, HEAD);
+  memcpy(blob + HEAD, many, sizeof many);
+  memcpy(blob + HEAD + sizeof many, level.blob + KEPT, level.blob_size - KEPT);
+  scree_vertex vertices[4];
+  uint32_t indices[12];
+  assert_int_equal(draco_decode_blob(blob, level.blob_size + sizeof many - 4, 4, 4, vertices, indices, 4), SCREE_ERROR_CORRUPT);
+  free(blob);
+  release_blob(&level);
+}
+
 /* An allocator that fails from the n-th call on, and counts what is alive. */
 typedef struct failing {
   int until, calls, alive;
@@ -478,6 +499,7 @@ int main(void) {
       cmocka_unit_test(every_truncated_blob_is_rejected),
       cmocka_unit_test(changed_blobs_never_crash_the_decoder),
       cmocka_unit_test(counts_that_do_not_match_the_record_are_refused),
+      cmocka_unit_test(blobs_that_claim_more_than_the_record_are_refused_before_memory_is_taken),
       cmocka_unit_test(every_failed_allocation_of_the_encoder_is_reported),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
