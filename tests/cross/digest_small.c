@@ -4,6 +4,7 @@
 #include <scree/bake.h>
 #include <stdio.h>
 
+#include "digest_queries.h"
 #include "lattice.h"
 
 /* Every cell of every tile, and the colours of a block of corners round the origin and at the ends of the int32 lattice. */
@@ -52,5 +53,6 @@ int main(void) {
     return 1;
   }
   printf("pack %016" PRIx64 "\n", pack);
+  printf("queries %016" PRIx64 "\n", digest_queries());
   return 0;
 }
