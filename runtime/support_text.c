@@ -52,7 +52,7 @@ void text_add_number(scree_error* error, double number) {
   if (fraction > 0) {
     char digits[8] = ".";
     size_t length = 1;
-    while (fraction > 0) {
+    while (fraction > 0 && one > 1) {
       one /= 10;
       digits[length++] = (char)('0' + fraction / one);
       fraction %= one;

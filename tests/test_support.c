@@ -505,13 +505,14 @@ static void every_worker_builds_the_same_mesh_grid(void** state) {
   scree_shape shape = knot(positions, indices);
   int calls = 0;
   scree_support* serial = one_shape(&shape);
-  scree_support* jobs = must_create(&(scree_support_desc){.shapes = &shape, .shape_count = 1, .jobs = {run_backwards, 3, &calls}});
-  const support_mesh *a = &serial->meshes[0], *b = &jobs->meshes[0];
+  scree_support* shared =
+      must_create(&(scree_support_desc){.shapes = &shape, .shape_count = 1, .jobs = {run_backwards, 3, &calls}});
+  const support_mesh *a = &serial->meshes[0], *b = &shared->meshes[0];
   assert_true(calls > 0);
   assert_memory_equal(a->size, b->size, sizeof a->size);
   assert_memory_equal(a->samples, b->samples, sizeof *a->samples * a->size[0] * a->size[1] * a->size[2]);
   scree_support_destroy(serial);
-  scree_support_destroy(jobs);
+  scree_support_destroy(shared);
 }
 
 /* --- errors ---------------------------------------------------------------------------------------------------------------- */
