@@ -678,7 +678,7 @@ static void draw_segments(render* r, const render_picture* p) {
   glBindVertexArray(r->segment_array);
   for (int hidden = 0; hidden < 2; ++hidden) {
     glDepthFunc(hidden ? GL_GREATER : GL_LEQUAL);
-    glUniform1f(r->programs.line_opacity, hidden ? 0.28f : 0.95f);
+    glUniform1f(r->programs.line_opacity, hidden ? 0.4f : 0.95f);
     glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, (GLsizei)p->segment_count);
   }
   glBindVertexArray(0);

@@ -436,7 +436,8 @@ static void draw_scene(viewer* v, uint32_t width, uint32_t height) {
   render_picture* p = &v->picture;
   const double now = timer_seconds();
   if (compose(v)) v->moved_at = now;
-  const bool moving = now - v->moved_at < 0.15 || edits_wait(v);
+  const bool first = v->view.stats.samples == 0; /* worth the wait for all of its meshes */
+  const bool moving = now - v->moved_at < 0.15 || edits_wait(v) || v->view.stats.meshes_missing > 0;
   const uint32_t coarse = moving ? v->coarseness : 1;
   p->width = width / coarse > 0 ? width / coarse : 1;
   p->height = height / coarse > 0 ? height / coarse : 1;
@@ -444,7 +445,7 @@ static void draw_scene(viewer* v, uint32_t width, uint32_t height) {
   p->draft = moving && v->coarseness > 1;
   const uint32_t enough = v->options->samples > 0 ? v->options->samples : SAMPLES_STILL;
   p->samples_most = moving ? 1 : enough;
-  p->decode_budget = DECODE_MOVING;
+  p->decode_budget = first ? 0 : DECODE_MOVING;
 
   outline_clear(&v->outline);
   stage_origin(v->stage, v->outline.origin);
