@@ -43,23 +43,17 @@ void text_add_number(scree_error* error, double number) {
   double unit = 1e-5; /* of the last digit that is shown */
   int decimals = 5;
   while (decimals > 0 && number >= 10 * unit * 1e5) unit *= 10, --decimals;
-  uint64_t scaled = (uint64_t)(number / unit + 0.5);
-  uint64_t one = 1;
-  for (int i = 0; i < decimals; ++i) one *= 10;
-  if (decimals == 0) scaled = (uint64_t)(number + 0.5);
-  text_add_count(error, scaled / one);
-  uint64_t fraction = scaled % one;
-  if (fraction > 0) {
-    char digits[8] = ".";
-    size_t length = 1;
-    while (fraction > 0 && one > 1) {
-      one /= 10;
-      digits[length++] = (char)('0' + fraction / one);
-      fraction %= one;
-    }
-    digits[length] = '\0';
-    text_add(error, digits);
+  uint64_t scaled = (uint64_t)(number / (decimals > 0 ? unit : 1) + 0.5);
+  char fraction[8] = ".";
+  int length = 1; /* with the point, without zeros at the end */
+  for (int i = decimals; i > 0; --i) {
+    fraction[i] = (char)('0' + scaled % 10);
+    if (length == 1 && fraction[i] != '0') length = i + 1;
+    scaled /= 10;
   }
+  fraction[length] = '\0';
+  text_add_count(error, scaled);
+  if (length > 1) text_add(error, fraction);
   if (exponent != 0) {
     text_add(error, exponent < 0 ? "e-" : "e");
     text_add_count(error, (uint64_t)(exponent < 0 ? -exponent : exponent));

@@ -12,6 +12,7 @@
 
 #include "random_support.h"
 #include "support_program.h"
+#include "support_text.h"
 
 static scree_support* must_create(const scree_support_desc* desc) {
   scree_support* support;
@@ -584,6 +585,41 @@ static void wrong_numbers_are_refused_by_shape_and_field(void** state) {
   assert_int_equal(scree_support_create(&astray, NULL, &support, NULL), SCREE_ERROR_RANGE);
 }
 
+static void numbers_in_errors_have_six_digits(void** state) {
+  (void)state;
+  const struct {
+    double number;
+    const char* text;
+  } cases[] = {{0, "0"},
+               {1, "1"},
+               {-1.5, "-1.5"},
+               {0.1, "0.1"},
+               {0.00012, "0.00012"},
+               {3.14159265, "3.14159"},
+               {12.05, "12.05"},
+               {99999.9, "99999.9"},
+               {123456, "123456"},
+               {1234567, "1234567"},
+               {1e9, "1e9"},
+               {2.5e12, "2.5e12"},
+               {1e-5, "1e-5"},
+               {-3e-7, "-3e-7"},
+               {INFINITY, "infinity"},
+               {-INFINITY, "-infinity"},
+               {NAN, "not a number"}};
+  for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+    scree_error error;
+    text_clear(&error);
+    text_add_number(&error, cases[i].number);
+    assert_string_equal(error.message, cases[i].text);
+  }
+  scree_error full; /* what does not fit is cut off */
+  text_clear(&full);
+  for (int i = 0; i < 200; ++i) text_add(&full, "word ");
+  assert_int_equal(strlen(full.message), sizeof full.message - 1);
+  text_add(NULL, "nobody listens");
+}
+
 static void broken_meshes_are_refused_by_edge(void** state) {
   (void)state;
   float positions[12] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
@@ -809,6 +845,7 @@ int main(void) {
       cmocka_unit_test(mesh_signs_survive_faces_in_the_planes_of_the_grid),
       cmocka_unit_test(every_worker_builds_the_same_mesh_grid),
       cmocka_unit_test(wrong_numbers_are_refused_by_shape_and_field),
+      cmocka_unit_test(numbers_in_errors_have_six_digits),
       cmocka_unit_test(broken_meshes_are_refused_by_edge),
       cmocka_unit_test(broken_trees_and_callbacks_are_refused),
       cmocka_unit_test(creating_survives_every_failed_allocation),
