@@ -295,6 +295,10 @@ scree_result scree_bake_rocks(const scree_bake_desc* desc, uint8_t** bytes, size
           scree_pack_get_info(pack, &info);
           report->digest = info.digest;
           scree_pack_close(pack);
+        } else {
+          release(&bake.allocator, *bytes, *size, 1);
+          *bytes = NULL;
+          *size = 0;
         }
       }
     }

@@ -44,12 +44,15 @@ static scree_result check_cells(const rock_set* set, pack_layout* layout) {
   for (uint32_t cell = 0; cell < set->cell_count; ++cell) {
     if (set->cell_first[cell] > set->cell_first[cell + 1]) return SCREE_ERROR_INVALID_ARGUMENT;
     const uint32_t rocks = set->cell_first[cell + 1] - set->cell_first[cell];
-    if (rocks > PACK_MAX_ROCKS_PER_CELL) return SCREE_ERROR_RANGE;
-    if (rocks > layout->max_rocks_per_cell) layout->max_rocks_per_cell = rocks;
-    for (uint32_t seed = 0; seed < rocks; ++seed) {
-      const rock_record* rock = &set->rocks[set->cell_first[cell] + seed];
-      if (rock->cell != cell || rock->seed != seed) return SCREE_ERROR_INVALID_ARGUMENT;
+    /* Seeds rise, but not by one: a seed whose rock came out empty leaves a gap, because contacts of other rocks name seeds. */
+    uint32_t next = 0;
+    for (uint32_t k = 0; k < rocks; ++k) {
+      const rock_record* rock = &set->rocks[set->cell_first[cell] + k];
+      if (rock->cell != cell || rock->seed < next) return SCREE_ERROR_INVALID_ARGUMENT;
+      if (rock->seed >= PACK_MAX_ROCKS_PER_CELL) return SCREE_ERROR_RANGE;
+      next = rock->seed + 1;
     }
+    if (next > layout->max_rocks_per_cell) layout->max_rocks_per_cell = next;
   }
   return SCREE_OK;
 }
@@ -69,7 +72,10 @@ static scree_result count_records(const rock_set* set, pack_layout* layout, uint
     if (rock->contact_count > UINT16_MAX) return SCREE_ERROR_RANGE;
     if (!(rock->outer_radius > 0)) return SCREE_ERROR_INVALID_ARGUMENT;
     if (rock->outer_radius > layout->max_radius) layout->max_radius = rock->outer_radius;
-    for (uint32_t k = 0; k < rock->contact_count; ++k) layout->narrow_contacts &= fits_byte(rock->contacts[k].position);
+    for (uint32_t k = 0; k < rock->contact_count; ++k) {
+      layout->narrow_contacts &= fits_byte(rock->contacts[k].position);
+      if (rock->contacts[k].seed >= layout->max_rocks_per_cell) layout->max_rocks_per_cell = rock->contacts[k].seed + 1u;
+    }
     for (uint32_t k = 0; k < rock->hull_count; ++k) layout->narrow_hulls &= fits_byte(rock->hull[k]);
     *contacts += rock->contact_count;
     *hull_vertices += rock->hull_count;

@@ -30,7 +30,8 @@ static scree_result verify_tables(const scree_pack* pack) {
     scree_result result = scree_pack_cell_assets(pack, cell, &first, &count);
     if (result != SCREE_OK) return result;
     for (uint32_t asset = first; asset < first + count; ++asset)
-      if (pack->assets[asset].cell != cell || pack->assets[asset].seed != asset - first) return SCREE_ERROR_CORRUPT;
+      if (pack->assets[asset].cell != cell || (asset > first && pack->assets[asset].seed <= pack->assets[asset - 1].seed))
+        return SCREE_ERROR_CORRUPT;
   }
   return strlen(pack->recipe) + 1 == pack->sections[PACK_RECIPE - 1]->size ? SCREE_OK : SCREE_ERROR_CORRUPT;
 }

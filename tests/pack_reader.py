@@ -139,8 +139,10 @@ class Pack:
     def check_asset(self, number, asset):
         name = f"asset {number}: "
         check(asset["cell"] < self.cell_count, name + "cell")
-        check(self.first_asset[asset["cell"]] + asset["seed"] == number, name + "seed")
-        check(number < self.first_asset[asset["cell"] + 1], name + "seed")
+        first = self.first_asset[asset["cell"]]
+        check(first <= number < self.first_asset[asset["cell"] + 1], name + "cell of the section of cells")
+        check(asset["seed"] < self.max_rocks_per_cell, name + "seed")
+        check(number == first or asset["seed"] > self.assets[number - 1]["seed"], name + "order of seeds")
         check(asset["first_contact"] + asset["contact_count"] <= len(self.contacts), name + "contacts")
         check(4 <= asset["hull_count"] <= 64, name + "hull count")
         check(asset["first_hull"] + asset["hull_count"] <= self.elements(HULLS), name + "hull")

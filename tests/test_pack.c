@@ -549,7 +549,8 @@ static void every_failed_allocation_of_open_and_write_is_reported(void** state) 
 
 static void the_writer_refuses_sets_that_break_the_format(void** state) {
   (void)state;
-  rock_set* set = test_rock_set_make(NULL);
+  const test_pack_desc desc = {.rocks_per_cell = 2}; /* rocks 1 and 2 are of one cell */
+  rock_set* set = test_rock_set_make(&desc);
   rock_record* rock = (rock_record*)set->rocks;
   uint8_t* bytes;
   size_t size;
@@ -564,7 +565,8 @@ static void the_writer_refuses_sets_that_break_the_format(void** state) {
   UNWRITABLE(rock->hull_count, 3, SCREE_ERROR_INVALID_ARGUMENT);
   UNWRITABLE(rock->hull_count, 65, SCREE_ERROR_INVALID_ARGUMENT);
   UNWRITABLE(rock->cell, 1, SCREE_ERROR_INVALID_ARGUMENT);
-  UNWRITABLE(rock->seed, 1, SCREE_ERROR_INVALID_ARGUMENT);
+  UNWRITABLE(rock->seed, PACK_MAX_ROCKS_PER_CELL, SCREE_ERROR_RANGE);
+  UNWRITABLE(rock[2].seed, rock[1].seed, SCREE_ERROR_INVALID_ARGUMENT);
   UNWRITABLE(rock->contact_count, UINT16_MAX + 1, SCREE_ERROR_RANGE);
   UNWRITABLE(rock->outer_radius, 0, SCREE_ERROR_INVALID_ARGUMENT);
   UNWRITABLE(rock->lods[0].triangle_count, UINT32_MAX, SCREE_ERROR_RANGE);

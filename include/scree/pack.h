@@ -39,7 +39,7 @@ typedef struct scree_pack_info {
   uint32_t cell_count;         /* unique cells: 2 + 12(N-1) + 48(N-1)^2 + 256(N-1)^3 */
   uint32_t asset_count;        /* unique rocks */
   uint32_t lod_count;          /* levels of every asset, finest first, >= 1 */
-  uint32_t max_rocks_per_cell; /* the largest number of rocks of one cell, >= 1 */
+  uint32_t max_rocks_per_cell; /* seeds are numbered below this, so no cell has more rocks; >= 1 */
   float max_radius;            /* largest outer radius of all assets, cells */
   uint64_t digest;             /* of everything baked, however it was encoded; compare this between builds */
   const char* recipe;          /* the recipe's JSON, NUL-terminated, owned by the pack */
