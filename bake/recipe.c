@@ -223,10 +223,19 @@ static scree_result recipe_check(const scree_recipe* recipe, scree_error* error)
   return SCREE_OK;
 }
 
+static bool is_space(char c) {
+  return c == ' ' || c == '\t' || c == '\n' || c == '\r';
+}
+
 scree_result scree_recipe_parse(const char* text, size_t size, scree_recipe* out, scree_error* error) {
   scree_recipe_default(out);
   const char* end = NULL;
   cJSON* root = cJSON_ParseWithLengthOpts(text, size, &end, false);
+  while (root != NULL && end < text + size && is_space(*end)) ++end;
+  if (root != NULL && end < text + size) {
+    cJSON_Delete(root);
+    root = NULL;
+  }
   if (root == NULL) {
     size_t line = 1;
     for (const char* c = text; end != NULL && c < end && c < text + size; ++c) line += *c == '\n';
@@ -239,9 +248,12 @@ scree_result scree_recipe_parse(const char* text, size_t size, scree_recipe* out
     result = SCREE_ERROR_SYNTAX;
   }
   for (const cJSON* item = result == SCREE_OK ? root->child : NULL; item != NULL && result == SCREE_OK; item = item->next) {
-    if (strcmp(item->string, "$schema") == 0) continue;
+    if (strcmp(item->string, "$schema") == 0 && cJSON_IsString(item)) continue;
     const recipe_key* key = find_key(item->string);
-    if (key == NULL) {
+    if (strcmp(item->string, "$schema") == 0) {
+      say(error, "$schema: expected a text");
+      result = SCREE_ERROR_SYNTAX;
+    } else if (key == NULL) {
       say(error, "%.60s: unknown key", item->string);
       result = SCREE_ERROR_SYNTAX;
     } else {

@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "threads.h"
@@ -23,7 +24,7 @@ static const char usage[] =
     "      --help, --version\n"
     "\n"
     "The keys of a recipe are described in content/schema/recipe.schema.json.\n"
-    "Exit status: 0 done, 1 the machine failed (memory, disk), 2 a mistake in the arguments or the recipe.\n";
+    "Exit status: 0 done, 1 the machine failed (out of memory, disk full), 2 a mistake in the arguments or the recipe.\n";
 
 typedef struct options {
   const char *recipe, *output, *report;
@@ -114,21 +115,47 @@ static char* read_text(const char* path, size_t* size) {
   return NULL;
 }
 
+/* True when `path` is no regular file: a device or a pipe, which is written to and never replaced. */
+static bool is_special(const char* path) {
+  struct stat status;
+  return stat(path, &status) == 0 && !S_ISREG(status.st_mode);
+}
+
+/* Opens what is renamed to `path` in the end, or `path` itself when that is special. temporary: to be freed, NULL when special. */
+static FILE* open_output(const char* path, char** temporary) {
+  *temporary = NULL;
+  if (is_special(path)) return fopen(path, "wb");
+  const size_t length = strlen(path) + 32;
+  *temporary = malloc(length);
+  if (*temporary == NULL) return NULL;
+  snprintf(*temporary, length, "%s.tmp-%ld", path, (long)getpid());
+  return fopen(*temporary, "wb");
+}
+
+/* Whether a file can be made at `path`, asked before minutes of work rather than after. */
+static bool can_write(const char* path) {
+  char* temporary;
+  FILE* file = open_output(path, &temporary);
+  const int reason = errno;
+  if (file != NULL) fclose(file);
+  if (file != NULL && temporary != NULL) remove(temporary);
+  free(temporary);
+  errno = reason;
+  return file != NULL;
+}
+
 /* Writes to a temporary name beside `path`, then renames: the file is whole or not there. */
 static bool write_file(const char* path, const void* bytes, size_t size) {
-  const size_t length = strlen(path) + 32;
-  char* temporary = malloc(length);
-  if (temporary == NULL) return false;
-  snprintf(temporary, length, "%s.tmp-%ld", path, (long)getpid());
-  FILE* file = fopen(temporary, "wb");
+  char* temporary;
+  FILE* file = open_output(path, &temporary);
   bool good = file != NULL;
   int reason = errno;
   if (good) {
     good = fwrite(bytes, 1, size, file) == size;
     good = fclose(file) == 0 && good;
-    good = good && rename(temporary, path) == 0;
+    good = good && (temporary == NULL || rename(temporary, path) == 0);
     reason = errno;
-    if (!good) remove(temporary);
+    if (!good && temporary != NULL) remove(temporary);
   }
   free(temporary);
   errno = reason;
@@ -145,8 +172,7 @@ static bool show_progress(void* user, const char* stage, double done) {
   return true;
 }
 
-static bool write_report(const char* path, const options* given, const scree_recipe* recipe, const scree_bake_report* report,
-                         uint32_t threads) {
+static bool write_report(const char* path, const scree_recipe* recipe, const scree_bake_report* report, uint32_t threads) {
   char* text = NULL;
   size_t size = 0;
   FILE* out = open_memstream(&text, &size);
@@ -166,7 +192,6 @@ static bool write_report(const char* path, const options* given, const scree_rec
     fprintf(out, "    \"%s\": %.3f,\n", report->stages[s].name, report->stages[s].seconds);
   fprintf(out, "    \"total\": %.3f\n  }\n}\n", report->seconds);
   bool good = fclose(out) == 0;
-  (void)given;
   if (good && strcmp(path, "-") == 0)
     good = fwrite(text, 1, size, stdout) == size && fflush(stdout) == 0;
   else if (good)
@@ -196,6 +221,11 @@ int main(int count, char** arguments) {
     fputs(all, stdout);
     return 0;
   }
+  const bool reports_to_file = given.report != NULL && strcmp(given.report, "-") != 0;
+  if (reports_to_file && !is_special(given.report) && strcmp(given.report, given.output) == 0)
+    return fail(2, given.report, "cannot be both the pack and the report");
+  if (!can_write(given.output)) return fail(2, given.output, strerror(errno));
+  if (reports_to_file && !can_write(given.report)) return fail(2, given.report, strerror(errno));
 
   const bool terminal = isatty(STDERR_FILENO) != 0 && !given.quiet;
   const scree_bake_desc desc = {
@@ -211,7 +241,7 @@ int main(int count, char** arguments) {
   int exit_status = 0;
   if (!write_file(given.output, bytes, size)) exit_status = fail(1, given.output, strerror(errno));
   scree_bake_free(&desc, bytes, size);
-  if (exit_status == 0 && given.report != NULL && !write_report(given.report, &given, &recipe, &report, desc.jobs.worker_count))
+  if (exit_status == 0 && given.report != NULL && !write_report(given.report, &recipe, &report, desc.jobs.worker_count))
     exit_status = fail(1, given.report, strerror(errno));
   if (exit_status == 0 && terminal)
     fprintf(stderr, "%s: %u rocks, %llu triangles, %.1f MB, digest %016llx, %.1f s\n", given.output, report.rocks,
