@@ -113,6 +113,48 @@ static void query_equals_its_plain_twin_for_random_trees(void** state) {
   }
 }
 
+/* Thousands of rocks along surfaces that smooth unions and thresholds move about: where a part of space is cut off a little too
+ * early, some of them go missing. The twin trusts the support's bounds here, which test_support.c holds. */
+static void query_equals_its_plain_twin_where_many_rocks_are_in_doubt(void** state) {
+  (void)state;
+  random_stream r = {70};
+  for (int round = 0; round < 10; ++round) {
+    scene s = {0};
+    s.source = synthetic_create(3 + random_below(&r, 4), 1, 1, random_bits(&r));
+    s.field_desc = (scree_field_desc){.seed = random_bits(&r), .cell_size = 0.3};
+    assert_int_equal(field_create_from_source(&s.field_desc, &s.source.source, NULL, &s.field), SCREE_OK);
+    static const uint32_t children[] = {1, 2, 3, 4, 5, 6};
+    scree_shape* shapes = s.shapes.shapes;
+    uint32_t count = 2 + random_below(&r, 5);
+    memset(shapes, 0, sizeof *shapes * (count + 1));
+    shapes[0] = (scree_shape){.kind = SCREE_SHAPE_SMOOTH_UNION, .group = {children, count, (float)random_in(&r, 1, 6)}};
+    for (uint32_t i = 1; i <= count; ++i) {
+      shapes[i].kind = SCREE_SHAPE_SPHERE;
+      shapes[i].sphere.radius = (float)random_in(&r, 1, 4);
+      for (int a = 0; a < 3; ++a) shapes[i].transform.translation[a] = (float)random_in(&r, -5, 5);
+    }
+    s.shapes.desc = (scree_support_desc){.shapes = shapes, .shape_count = count + 1};
+    assert_int_equal(scree_support_create(&s.shapes.desc, NULL, &s.support, NULL), SCREE_OK);
+    for (int k = 0; k < 3; ++k) {
+      scree_query_desc d = {.field = s.field, .support = s.support, .flags = k & 1};
+      d.threshold = (float[]){0.5f, 0.05f, 0.9f}[k];
+      double min[3], max[3];
+      int64_t low[3], high[3];
+      assert_true(support_level_bounds(s.support, 0.5, min, max));
+      for (int a = 0; a < 3; ++a) {
+        low[a] = (int64_t)floor(min[a] / 0.3) - 2;
+        high[a] = (int64_t)ceil(max[a] / 0.3) + 2;
+      }
+      found_rocks expected = twin_query(&d, &s.source.source, low, high), found = run_query(&d, QUERY_KERNEL_BEST);
+      assert_true(expected.count > 500);
+      assert_found_equal(&expected, &found);
+      found_free(&expected);
+      found_free(&found);
+    }
+    destroy_scene(&s);
+  }
+}
+
 /* A tree beyond what the scratch for pruned programs holds, so that parts go on with programs that were not pruned. */
 static void query_equals_its_plain_twin_for_hundreds_of_shapes(void** state) {
   (void)state;
@@ -527,6 +569,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(query_equals_its_plain_twin_for_single_shapes),
       cmocka_unit_test(query_equals_its_plain_twin_for_random_trees),
+      cmocka_unit_test(query_equals_its_plain_twin_where_many_rocks_are_in_doubt),
       cmocka_unit_test(query_equals_its_plain_twin_for_hundreds_of_shapes),
       cmocka_unit_test(union_of_any_partition_into_boxes_is_the_whole),
       cmocka_unit_test(field_far_from_the_origin_is_the_same_field),
