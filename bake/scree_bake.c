@@ -132,8 +132,15 @@ static FILE* open_output(const char* path, char** temporary) {
   return fopen(*temporary, "wb");
 }
 
-/* Whether a file can be made at `path`, asked before minutes of work rather than after. */
+/* Whether a file can be made at `path`, asked before minutes of work rather than after. A pipe is not opened: its reader would take
+ * the close for the end. */
 static bool can_write(const char* path) {
+  struct stat status;
+  if (stat(path, &status) == 0 && S_ISDIR(status.st_mode)) {
+    errno = EISDIR;
+    return false;
+  }
+  if (is_special(path)) return access(path, W_OK) == 0;
   char* temporary;
   FILE* file = open_output(path, &temporary);
   const int reason = errno;

@@ -115,6 +115,18 @@ scree_result file_replace_begin(const char* path, file_replacement* out, scree_e
   return fail_with(error, SCREE_ERROR_IO, "%s: cannot write: %s", path, strerror(reason));
 }
 
+scree_result file_replace_check(const char* path, scree_error* error) {
+  struct stat status;
+  if (stat(path, &status) == 0 && !S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode)) {
+    if (access(path, W_OK) == 0) return SCREE_OK;
+    return fail_with(error, SCREE_ERROR_IO, "%s: cannot write: %s", path, strerror(errno));
+  }
+  file_replacement probe;
+  scree_result result = file_replace_begin(path, &probe, error);
+  if (result == SCREE_OK) file_replace_abort(&probe);
+  return result;
+}
+
 scree_result file_replace_commit(file_replacement* file, scree_error* error) {
   bool good = fflush(file->stream) == 0 && ferror(file->stream) == 0;
   int reason = errno;

@@ -28,6 +28,10 @@ scree_result file_replace_begin(const char* path, file_replacement* out, scree_e
 /* Flushes and renames. On failure the temporary file is gone and what lay at `path` before is untouched. */
 scree_result file_replace_commit(file_replacement* file, scree_error* error);
 
+/* Whether file_replace_begin would succeed: to be asked before long work, so that a wrong path is told at once. Leaves nothing
+ * behind and does not open a pipe or a device. Returns SCREE_OK, IO or OUT_OF_MEMORY. */
+scree_result file_replace_check(const char* path, scree_error* error);
+
 /* Gives up: removes the temporary file. Harmless after commit and on a zeroed struct. */
 void file_replace_abort(file_replacement* file);
 

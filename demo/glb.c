@@ -71,14 +71,12 @@ scree_result glb_begin(const char* path, glb_writer** out, scree_error* error) {
   strcpy(copy, path);
   w->path = copy;
   /* A place that cannot be written to is better known now than after all the work. */
-  file_replacement probe;
-  scree_result result = file_replace_begin(path, &probe, error);
+  scree_result result = file_replace_check(path, error);
   if (result != SCREE_OK) {
     free(copy);
     free(w);
     return result;
   }
-  file_replace_abort(&probe);
   for (int i = 0; i < GLB_STREAMS; ++i) w->stream_views[i] = GLB_NONE;
   *out = w;
   return SCREE_OK;

@@ -26,7 +26,7 @@ static const char usage[] =
     "      --threads N      1..64 (default: one per processor)\n"
     "      --help, --version\n"
     "\n"
-    "Exit status: 0 all is well, 1 out of memory or the output cannot be written, 2 bad input.\n";
+    "Exit status: 0 all is well, 1 the machine failed (memory, disk), 2 a mistake in the arguments or the pack.\n";
 
 enum { THREADS_MAX = 64, ASSETS_AT_ONCE = 512 };
 
@@ -273,6 +273,7 @@ int main(int argc, char** argv) {
     fail_with(&error, SCREE_ERROR_INVALID_ARGUMENT, "%s (--help says what there is)", wrong);
     return bad_input(&error);
   }
+  if (o.glb != NULL && file_replace_check(o.glb, &error) != SCREE_OK) return bad_input(&error);
   scree_pack* pack;
   const scree_result result = scree_pack_open_file(o.pack, NULL, &pack);
   if (result != SCREE_OK) {

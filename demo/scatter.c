@@ -24,7 +24,7 @@ static const char usage[] =
     "  -o, --output FILE    the .glb to write; it appears only when it is whole\n"
     "      --format FORMAT  instanced (EXT_mesh_gpu_instancing and Draco, small; the default) or\n"
     "                       flat (plain glTF, for tools that know neither)\n"
-    "      --lod N          level of detail of every rock, 0 = finest (default 0)\n"
+    "      --lod N          level of detail of every rock, 0 = finest (default 0); the coarsest if there are fewer\n"
     "      --packs DIR      where NAME.scree of a field's pack is (default " SCENE_DEFAULT_PACKS
     ")\n"
     "      --data DIR       where meshes and pictures are that are not beside the scene (default " SCENE_DEFAULT_DATA
@@ -33,7 +33,7 @@ static const char usage[] =
     "      --threads N      1..64 (default: one per processor)\n"
     "      --help, --version\n"
     "\n"
-    "Exit status: 0 done, 1 out of memory or the output cannot be written, 2 bad input.\n";
+    "Exit status: 0 done, 1 the machine failed (memory, disk), 2 a mistake in the arguments or the scene.\n";
 
 typedef struct options {
   const char *scene, *output, *format, *packs, *data, *report;
@@ -231,6 +231,8 @@ static int run(scatter* s) {
   const options* o = s->options;
   double start = now();
   scree_result result = scene_load(o->scene, &s->scene, &s->error);
+  if (result != SCREE_OK) return finish(s, result, false);
+  if (o->report != NULL) result = file_replace_check(o->report, &s->error);
   if (result != SCREE_OK) return finish(s, result, false);
   s->progress = (progress){.is_shown = isatty(STDERR_FILENO) != 0, .fields = s->scene.field_count, .last = -1};
   s->reports = calloc(s->scene.field_count + 1, sizeof *s->reports);

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "file.h"
 #include "headless.h"
 #include "stage.h"
 #include "timer.h"
@@ -99,6 +100,13 @@ int main(int count, char** arguments) {
   scree_error error = {""};
   scree_result result = scene_load(options.paths.scene, &scene, &error);
   if (result != SCREE_OK) return fail(result, error.message);
+  if (options.headless) result = file_replace_check(options.screenshot, &error);
+  const bool logs_to_file = options.log != NULL && strcmp(options.log, "-") != 0;
+  if (result == SCREE_OK && logs_to_file) result = file_replace_check(options.log, &error);
+  if (result != SCREE_OK) {
+    scene_destroy(&scene);
+    return fail(result, error.message);
+  }
   status = options.headless ? run_headless(&options, &scene) : window_run(&options, &scene);
   scene_destroy(&scene);
   return status;

@@ -77,6 +77,7 @@ expect_refused("assets in reverse", "--assets", pack, "--glb", glb, "--assets", 
 expect_refused("no range of assets", "--assets", pack, "--glb", glb, "--assets", "some")
 expect_refused("a level that is not there", "--lod", pack, "--glb", glb, "--lod", "9")
 expect_refused("assets without --glb", "--glb", pack, "--assets", "0-1")
+expect_refused("a .glb in no folder", "no/such.glb", pack, "--glb", os.path.join(WORK, "no/such.glb"))
 expect(not os.path.exists(glb), "a refused command wrote a file")
 
 # A good .glb, of other assets at another level; and only that file is new.

@@ -116,6 +116,7 @@ refused 'bad/no/out.glb: cannot write: No such file or directory' scene.json -o 
 
 # A report that cannot be written, and an output that is a folder.
 scene boulders 0.5 "$ball"
+refused 'bad/no/r.json: cannot write: No such file' scene.json -o report.glb --packs packs --report bad/no/r.json
 refused 'out: is a directory' scene.json -o out --packs packs
 
 # An older file is replaced only by a whole one.

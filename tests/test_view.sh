@@ -98,7 +98,8 @@ case $part in
     head -c 2000 small.scree >short.scree
     sed 's/"small"/"short"/' scene.json >short.json
     fact truncated_pack_is_named refuses 2 'short.scree' short.json --packs . --headless --screenshot x.png
-    fact unwritable_picture_is_named refuses 1 'no/such/x.png' scene.json --packs . --headless --screenshot no/such/x.png
+    fact unwritable_picture_is_named refuses 2 'no/such/x.png' scene.json --packs . --headless --screenshot no/such/x.png
+    fact unwritable_log_is_named refuses 2 'no/such/x.log' scene.json --packs . --headless --screenshot x.png --log no/such/x.log
     sed 's/"cell_size": 0.6/"cell_size": 0.01, "shell": false/' scene.json >huge.json
     fact too_many_stones_are_refused refuses 2 'cell_size' huge.json --packs . --headless --screenshot x.png
     ;;
