@@ -215,6 +215,10 @@ static scree_result recipe_check(const scree_recipe* recipe, scree_error* error)
     say(error, "lattice_steps: %u must be even, so that voxel centres lie on the lattice", recipe->lattice_steps);
     return SCREE_ERROR_RANGE;
   }
+  if (recipe->voxels_per_cell % 2 != 0) {
+    say(error, "voxels_per_cell: %u must be even, so that no voxel lies on the border of a cell", recipe->voxels_per_cell);
+    return SCREE_ERROR_RANGE;
+  }
   const double* axis = recipe->align_axis;
   if (recipe->orientation == SCREE_ORIENTATION_ALIGNED && axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2] < 1e-12) {
     say(error, "align_axis: the axis must not be zero");
