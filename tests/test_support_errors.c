@@ -1,0 +1,338 @@
+/* Supports and fields that cannot be made: every wrong number, tree, mesh and table, and every allocation that fails. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "random_support.h"
+#include "support_program.h"
+#include "support_text.h"
+
+static void assert_refused(const scree_shape* shapes, uint32_t count, scree_result expected, const char* part) {
+  scree_error error;
+  scree_support* support = (scree_support*)&error;
+  scree_support_desc desc = {.shapes = shapes, .shape_count = count};
+  scree_result result = scree_support_create(&desc, NULL, &support, &error);
+  if (result != expected) fail_msg("%d instead of %d: %s", (int)result, (int)expected, error.message);
+  assert_null(support);
+  if (strstr(error.message, part) == NULL) fail_msg("\"%s\" does not say \"%s\"", error.message, part);
+  assert_null(strchr(error.message, '\n'));
+  assert_int_equal(scree_support_create(&desc, NULL, &support, NULL), expected); /* texts are optional */
+}
+
+static void wrong_numbers_are_refused_by_shape_and_field(void** state) {
+  (void)state;
+  const float heights[4] = {0, 1, 2, 3}, broken[4] = {0, 1, NAN, 3};
+  const scree_shape good[] = {{.kind = SCREE_SHAPE_SPHERE, .sphere = {1}},
+                              {.kind = SCREE_SHAPE_BOX, .box = {{1, 2, 3}, 0}},
+                              {.kind = SCREE_SHAPE_CAPSULE, .capsule = {{0, 0, 0}, {1, 0, 0}, 1}},
+                              {.kind = SCREE_SHAPE_CYLINDER, .cylinder = {1, 2}},
+                              {.kind = SCREE_SHAPE_CONE, .cone = {1, 2}},
+                              {.kind = SCREE_SHAPE_HEIGHTFIELD, .heightfield = {heights, 2, 2, 1, 0, 1}}};
+#define REFUSED(index, change, result, part)           \
+  do {                                                 \
+    scree_shape s = good[index];                       \
+    change;                                            \
+    assert_refused(&s, 1, SCREE_ERROR_##result, part); \
+  } while (0)
+  REFUSED(0, s.sphere.radius = 0, RANGE, "shape 0: sphere.radius is 0, expected a number > 0");
+  REFUSED(0, s.sphere.radius = -2.5f, RANGE, "sphere.radius is -2.5");
+  REFUSED(0, s.sphere.radius = NAN, RANGE, "sphere.radius is not a number");
+  REFUSED(0, s.sphere.radius = INFINITY, RANGE, "sphere.radius is infinity");
+  REFUSED(0, s.sphere.radius = 2e9f, RANGE, "sphere.radius is 2e9, expected at most 1e9");
+  REFUSED(0, s.transform.translation[1] = NAN, RANGE, "transform.translation[1]");
+  REFUSED(0, s.transform.rotation[2] = NAN, RANGE, "transform.rotation[2]");
+  REFUSED(0, s.transform.rotation[3] = 2, RANGE, "not a unit quaternion");
+  REFUSED(0, s.transform.scale = -1, RANGE, "transform.scale is -1");
+  REFUSED(0, s.transform.scale = NAN, RANGE, "transform.scale");
+  REFUSED(0, s.kind = (scree_shape_kind)99, INVALID_ARGUMENT, "kind 99");
+  REFUSED(1, s.box.half[2] = 0, RANGE, "box.half[2]");
+  REFUSED(1, s.box.rounding = 1.5f, RANGE, "box.rounding is 1.5");
+  REFUSED(1, s.box.rounding = -0.1f, RANGE, "box.rounding is -0.1");
+  REFUSED(2, s.capsule.a[0] = NAN, RANGE, "capsule.a[0]");
+  REFUSED(2, s.capsule.b[2] = INFINITY, RANGE, "capsule.b[2]");
+  REFUSED(2, s.capsule.radius = 0, RANGE, "capsule.radius");
+  REFUSED(3, s.cylinder.radius = 0, RANGE, "cylinder.radius");
+  REFUSED(3, s.cylinder.half_height = -1, RANGE, "cylinder.half_height");
+  REFUSED(4, s.cone.radius = 0, RANGE, "cone.radius");
+  REFUSED(4, s.cone.height = 0, RANGE, "cone.height");
+  REFUSED(5, s.heightfield.heights = NULL, INVALID_ARGUMENT, "heightfield.heights is NULL");
+  REFUSED(5, s.heightfield.heights = broken, RANGE, "heightfield.heights[2] is not a number");
+  REFUSED(5, s.heightfield.width = 1, RANGE, "heightfield.width is 1");
+  REFUSED(5, s.heightfield.depth = 0, RANGE, "heightfield.depth is 0");
+  REFUSED(5, (s.heightfield.width = 1u << 20, s.heightfield.depth = 1u << 20), RANGE, "2^31");
+  REFUSED(5, s.heightfield.spacing = 0, RANGE, "heightfield.spacing");
+  REFUSED(5, s.heightfield.above = NAN, RANGE, "heightfield.above");
+  REFUSED(5, s.heightfield.below = 0, RANGE, "heightfield.above + below is 0");
+#undef REFUSED
+  scree_support* support;
+  assert_int_equal(scree_support_create(NULL, NULL, &support, NULL), SCREE_ERROR_INVALID_ARGUMENT);
+  assert_int_equal(scree_support_create(&(scree_support_desc){.shapes = good, .shape_count = 1}, NULL, NULL, NULL),
+                   SCREE_ERROR_INVALID_ARGUMENT);
+  assert_refused(NULL, 1, SCREE_ERROR_INVALID_ARGUMENT, "at least one shape");
+  assert_refused(good, 0, SCREE_ERROR_INVALID_ARGUMENT, "at least one shape");
+  scree_support_desc astray = {.shapes = good, .shape_count = 1, .origin = {0, NAN, 0}};
+  assert_int_equal(scree_support_create(&astray, NULL, &support, NULL), SCREE_ERROR_RANGE);
+}
+
+static void numbers_in_errors_have_six_digits(void** state) {
+  (void)state;
+  const struct {
+    double number;
+    const char* text;
+  } cases[] = {{0, "0"},
+               {1, "1"},
+               {-1.5, "-1.5"},
+               {0.1, "0.1"},
+               {0.00012, "0.00012"},
+               {3.14159265, "3.14159"},
+               {12.05, "12.05"},
+               {99999.9, "99999.9"},
+               {123456, "123456"},
+               {1234567, "1234567"},
+               {1e9, "1e9"},
+               {2.5e12, "2.5e12"},
+               {1e-5, "1e-5"},
+               {-3e-7, "-3e-7"},
+               {INFINITY, "infinity"},
+               {-INFINITY, "-infinity"},
+               {NAN, "not a number"}};
+  for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+    scree_error error;
+    text_clear(&error);
+    text_add_number(&error, cases[i].number);
+    assert_string_equal(error.message, cases[i].text);
+  }
+  scree_error full; /* what does not fit is cut off */
+  text_clear(&full);
+  for (int i = 0; i < 200; ++i) text_add(&full, "word ");
+  assert_int_equal(strlen(full.message), sizeof full.message - 1);
+  text_add(NULL, "nobody listens");
+}
+
+static void broken_meshes_are_refused_by_edge(void** state) {
+  (void)state;
+  float positions[12] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+  const uint32_t tetrahedron[12] = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
+#define REFUSED(change, result, part)                                                  \
+  do {                                                                                 \
+    uint32_t indices[12];                                                              \
+    memcpy(indices, tetrahedron, sizeof indices);                                      \
+    scree_shape s = {.kind = SCREE_SHAPE_MESH, .mesh = {positions, indices, 4, 4, 8}}; \
+    change;                                                                            \
+    assert_refused(&s, 1, SCREE_ERROR_##result, part);                                 \
+  } while (0)
+  REFUSED(s.mesh.positions = NULL, INVALID_ARGUMENT, "mesh.positions is NULL");
+  REFUSED(s.mesh.indices = NULL, INVALID_ARGUMENT, "mesh.indices is NULL");
+  REFUSED(s.mesh.triangle_count = 3, RANGE, "mesh.triangle_count is 3");
+  REFUSED(s.mesh.vertex_count = 3, RANGE, "mesh.vertex_count is 3");
+  REFUSED(s.mesh.resolution = 7, RANGE, "mesh.resolution is 7");
+  REFUSED(s.mesh.resolution = 513, RANGE, "mesh.resolution is 513");
+  REFUSED(indices[5] = 4, RANGE, "mesh.indices[5] is 4, but there are only 4 vertices");
+  REFUSED(indices[4] = 0, INVALID_ARGUMENT, "triangle 1 uses vertex 0 twice");
+  REFUSED((indices[0] = 0, indices[1] = 1, indices[2] = 2), NOT_CLOSED, "edge from vertex 0 to 1 of triangle 1 is used by another");
+  REFUSED((positions[0] = NAN), RANGE, "mesh.positions[0]");
+  positions[0] = 0;
+  const uint32_t turned[12] = {2, 0, 1, 1, 0, 3, 3, 0, 2, 2, 1, 3};
+  REFUSED(memcpy(indices, turned, sizeof indices), INVALID_ARGUMENT, "shape 0: mesh is inside out");
+  positions[11] = 0;
+  REFUSED((void)0, INVALID_ARGUMENT, "encloses no volume");
+  memset(positions, 0, sizeof positions);
+  REFUSED((void)0, RANGE, "longest side");
+#undef REFUSED
+
+  /* A hole names an edge of its rim. */
+  float corners[24];
+  for (int v = 0; v < 8; ++v)
+    for (int a = 0; a < 3; ++a) corners[3 * v + a] = (float)(v >> a & 1);
+  const uint32_t open[33] = {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7};
+  scree_shape box = {.kind = SCREE_SHAPE_MESH, .mesh = {corners, open, 8, 11, 8}};
+  const scree_shape shapes[2] = {{.kind = SCREE_SHAPE_SPHERE, .sphere = {1}}, box};
+  assert_refused(shapes, 2, SCREE_ERROR_NOT_CLOSED,
+                 "shape 1: mesh is not closed: the edge from vertex 5 to 7 of triangle 2 has no triangle");
+}
+
+static void broken_trees_and_callbacks_are_refused(void** state) {
+  (void)state;
+  uint32_t children[2] = {1, 2};
+  scree_shape shapes[3] = {{.kind = SCREE_SHAPE_UNION, .group = {children, 2, 0}},
+                           {.kind = SCREE_SHAPE_SPHERE, .sphere = {1}},
+                           {.kind = SCREE_SHAPE_SPHERE, .sphere = {1}}};
+  children[1] = 3;
+  assert_refused(shapes, 3, SCREE_ERROR_INVALID_ARGUMENT, "group.children[1] is 3, but there are only 3 shapes");
+  children[1] = 0;
+  assert_refused(shapes, 3, SCREE_ERROR_INVALID_ARGUMENT, "group.children[1] is 0, expected a later shape");
+  children[1] = 2;
+  shapes[0].group.child_count = 0;
+  assert_refused(shapes, 3, SCREE_ERROR_INVALID_ARGUMENT, "group.child_count is 0");
+  shapes[0].group.child_count = 2;
+  shapes[0].group.children = NULL;
+  assert_refused(shapes, 3, SCREE_ERROR_INVALID_ARGUMENT, "group.children is NULL");
+  shapes[0].group.children = children;
+  shapes[0].kind = SCREE_SHAPE_SMOOTH_UNION;
+  assert_refused(shapes, 3, SCREE_ERROR_RANGE, "group.blend is 0");
+  shapes[2].sphere.radius = -1;
+  shapes[0].group.blend = 1;
+  assert_refused(shapes, 3, SCREE_ERROR_RANGE, "shape 2: sphere.radius");
+
+  random_stream r = {1};
+  random_support s;
+  random_leaf(&s, &r, SCREE_SHAPE_CALLBACK, 10);
+  scree_shape good = s.shapes[0], bad = good;
+  bad.callback.distance = NULL;
+  assert_refused(&bad, 1, SCREE_ERROR_INVALID_ARGUMENT, "callback.distance is NULL");
+  bad = good;
+  bad.callback.lipschitz = -1;
+  assert_refused(&bad, 1, SCREE_ERROR_RANGE, "callback.lipschitz is -1");
+  bad = good;
+  bad.callback.max[1] = bad.callback.min[1];
+  assert_refused(&bad, 1, SCREE_ERROR_RANGE, "callback.max[1]");
+  bad = good;
+  bad.callback.min[0] = -INFINITY;
+  assert_refused(&bad, 1, SCREE_ERROR_RANGE, "callback.min[0] is -infinity");
+
+  /* Nested once too deep, a shape used so often that the tree has too many, and too far out by transforms in transforms. */
+  enum { DEEP = SUPPORT_MAX_NESTING + 1 };
+  scree_shape chain[DEEP + 1];
+  uint32_t next[DEEP][2];
+  memset(chain, 0, sizeof chain);
+  for (uint32_t i = 0; i < DEEP; ++i) {
+    next[i][0] = next[i][1] = i + 1;
+    chain[i] = (scree_shape){.kind = SCREE_SHAPE_UNION, .group = {next[i], 1, 0}};
+  }
+  chain[DEEP] = shapes[1];
+  assert_refused(chain, DEEP + 1, SCREE_ERROR_RANGE, "nested more than 32 deep");
+  for (uint32_t i = 0; i < DEEP; ++i) chain[i].group.child_count = 2;
+  assert_refused(chain, DEEP + 1, SCREE_ERROR_RANGE, "has more than 4096 shapes");
+  chain[0] = (scree_shape){.kind = SCREE_SHAPE_UNION, .transform = {.scale = 1e6f}, .group = {next[0], 1, 0}};
+  chain[1] = (scree_shape){.kind = SCREE_SHAPE_SPHERE, .transform = {.translation = {1e6f, 0, 0}}, .sphere = {1}};
+  assert_refused(chain, 2, SCREE_ERROR_RANGE, "shape 1: lies more than 1e9 metres");
+}
+
+/* --- memory ---------------------------------------------------------------------------------------------------------------- */
+
+typedef struct short_memory {
+  int left; /* allocations that will still work */
+  int alive;
+} short_memory;
+
+static void* short_alloc(void* user, size_t size) {
+  short_memory* m = user;
+  if (m->left-- <= 0) return NULL;
+  ++m->alive;
+  return aligned_alloc(64, (size + 63) / 64 * 64 + 64);
+}
+
+static void short_release(void* user, void* memory, size_t size) {
+  (void)size;
+  --((short_memory*)user)->alive;
+  free(memory);
+}
+
+/* Each allocation fails once; nothing is left behind, and in the end it works. */
+static void creating_survives_every_failed_allocation(void** state) {
+  (void)state;
+  random_stream r = {11};
+  random_support ring, ground;
+  random_leaf(&ring, &r, SCREE_SHAPE_MESH, 10);
+  random_leaf(&ground, &r, SCREE_SHAPE_HEIGHTFIELD, 10);
+  const uint32_t children[3] = {1, 2, 2};
+  const scree_shape shapes[3] = {{.kind = SCREE_SHAPE_UNION, .group = {children, 3, 0}}, ring.shapes[0], ground.shapes[0]};
+  const scree_support_desc desc = {.shapes = shapes, .shape_count = 3};
+  synthetic_source source = synthetic_create(4, 1, 2, 1);
+  const scree_field_desc field_desc = {.seed = 1, .cell_size = 1};
+  for (int what = 0; what < 2; ++what) {
+    scree_result result = SCREE_ERROR_OUT_OF_MEMORY;
+    int n = 0;
+    for (; result != SCREE_OK; ++n) {
+      short_memory memory = {n, 0};
+      scree_allocator allocator = {short_alloc, short_release, &memory};
+      scree_support* support = NULL;
+      scree_field* field = NULL;
+      scree_error error;
+      result = what == 0 ? scree_support_create(&desc, &allocator, &support, &error)
+                         : field_create_from_source(&field_desc, &source.source, &allocator, &field);
+      if (result == SCREE_OK) {
+        assert_true(memory.alive > 0);
+      } else {
+        assert_int_equal(result, SCREE_ERROR_OUT_OF_MEMORY);
+        assert_true(support == NULL && field == NULL);
+        if (what == 0) assert_string_equal(error.message, "out of memory");
+      }
+      scree_support_destroy(support);
+      scree_field_destroy(field);
+      assert_int_equal(memory.alive, 0);
+    }
+    assert_true(n > 3);
+  }
+  synthetic_destroy(&source);
+}
+
+/* Tables that no field can be made of. */
+static void broken_field_tables_are_refused(void** state) {
+  (void)state;
+  synthetic_source s = synthetic_create(4, 1, 2, 1);
+  const scree_field_desc good = {.seed = 1, .cell_size = 1};
+  scree_field* field;
+#define REFUSED(change, undo_change, result)                                                        \
+  do {                                                                                              \
+    scree_field_desc desc = good;                                                                   \
+    field_source source = s.source;                                                                 \
+    change;                                                                                         \
+    assert_int_equal(field_create_from_source(&desc, &source, NULL, &field), SCREE_ERROR_##result); \
+    assert_null(field);                                                                             \
+    undo_change;                                                                                    \
+    (void)desc;                                                                                     \
+    (void)source;                                                                                   \
+  } while (0)
+#define BROKEN(place, value)                             \
+  do {                                                   \
+    __typeof__(place) kept = (place);                    \
+    REFUSED((place) = (value), (place) = kept, CORRUPT); \
+  } while (0)
+  REFUSED(desc.cell_size = 0, (void)0, RANGE);
+  REFUSED(desc.cell_size = NAN, (void)0, RANGE);
+  REFUSED(desc.cell_size = INFINITY, (void)0, RANGE);
+  REFUSED(desc.origin[2] = NAN, (void)0, RANGE);
+  REFUSED(source.cells_per_cube = 2, (void)0, CORRUPT);
+  REFUSED(source.cells_per_cube = 9, (void)0, CORRUPT);
+  REFUSED(source.max_rocks_per_cell = 0, (void)0, CORRUPT);
+  REFUSED(source.max_rocks_per_cell = 1, (void)0, CORRUPT);
+  REFUSED(source.max_rocks_per_cell = 1000, (void)0, CORRUPT);
+  REFUSED(source.max_radius = 0, (void)0, CORRUPT);
+  REFUSED(source.max_radius = NAN, (void)0, CORRUPT);
+  REFUSED(source.max_radius = 0.5f, (void)0, CORRUPT);
+  REFUSED(source.asset_count -= 1, (void)0, CORRUPT);
+  BROKEN(s.tile_cells[777], s.source.cell_count);
+  BROKEN(s.cell_first[5], UINT32_MAX);
+  BROKEN(s.cell_first[5], 0);
+  BROKEN(s.rocks[9].centroid[1], NAN);
+  BROKEN(s.rocks[9].centroid[1], 2.5f);
+  BROKEN(s.rocks[9].inner_radius, -0.1f);
+  BROKEN(s.rocks[9].inner_radius, 1.06f);
+  BROKEN(s.rocks[9].outer_radius, NAN);
+  BROKEN(s.rocks[9].outer_radius, 2.0f);
+  BROKEN(s.rocks[9].seed, 2);
+#undef BROKEN
+#undef REFUSED
+  assert_int_equal(field_create_from_source(&good, &s.source, NULL, &field), SCREE_OK);
+  scree_field_destroy(field);
+  synthetic_destroy(&s);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(wrong_numbers_are_refused_by_shape_and_field),
+      cmocka_unit_test(numbers_in_errors_have_six_digits),
+      cmocka_unit_test(broken_meshes_are_refused_by_edge),
+      cmocka_unit_test(broken_trees_and_callbacks_are_refused),
+      cmocka_unit_test(creating_survives_every_failed_allocation),
+      cmocka_unit_test(broken_field_tables_are_refused),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
