@@ -67,18 +67,21 @@ bool drag(const char* label, double* value, double speed, double low, double hig
                            ImGuiSliderFlags_AlwaysClamp);
 }
 
-bool drag3(const char* label, double* values, double speed, const char* format = "%.2f") {
-  return ImGui::DragScalarN(label, ImGuiDataType_Double, values, 3, static_cast<float>(speed), nullptr, nullptr, format);
+// Limits as in scene_read.c: a number typed in by hand must not make a scene that cannot be opened again.
+bool drag3(const char* label, double* values, double speed, double limit, const char* format = "%.2f") {
+  const double low = -limit;
+  return ImGui::DragScalarN(label, ImGuiDataType_Double, values, 3, static_cast<float>(speed), &low, &limit, format,
+                            ImGuiSliderFlags_AlwaysClamp);
 }
 
-const double kSmall = 1e-3, kLarge = 1e4;
+const double kSmall = 1e-3, kLarge = 1e4, kFar = 1e9, kTurns = 36000;
 
 bool shape_widgets(scene_node* node) {
   bool changed = false;
   switch (node->kind) {
     case SCREE_SHAPE_SPHERE: changed |= drag("radius", &node->sphere.radius, 0.02, kSmall, kLarge); break;
     case SCREE_SHAPE_BOX: {
-      changed |= drag3("half", node->box.half, 0.02);
+      changed |= drag3("half", node->box.half, 0.02, kLarge);
       double smallest = kLarge;
       for (double& half : node->box.half) {
         half = std::clamp(half, kSmall, kLarge);
@@ -89,8 +92,8 @@ bool shape_widgets(scene_node* node) {
       break;
     }
     case SCREE_SHAPE_CAPSULE:
-      changed |= drag3("from", node->capsule.a, 0.02);
-      changed |= drag3("to", node->capsule.b, 0.02);
+      changed |= drag3("from", node->capsule.a, 0.02, kFar);
+      changed |= drag3("to", node->capsule.b, 0.02, kFar);
       changed |= drag("radius", &node->capsule.radius, 0.02, kSmall, kLarge);
       break;
     case SCREE_SHAPE_CYLINDER:
@@ -233,8 +236,8 @@ void support_widgets(panel* p, panel_view* v) {
     e->unsaved = true;
     p->edited = true;
   }
-  changed |= drag3("position", node->position, 0.02);
-  changed |= drag3("rotation", node->rotation, 0.5, "%.1f");
+  changed |= drag3("position", node->position, 0.02, kFar);
+  changed |= drag3("rotation", node->rotation, 0.5, kTurns, "%.1f");
   changed |= drag("scale", &node->scale, 0.005, kSmall, 1000);
   changed |= shape_widgets(node);
   if (changed) {

@@ -6,7 +6,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "arguments.h"
@@ -14,6 +13,7 @@
 #include "file.h"
 #include "rock_export.h"
 #include "scene_support.h"
+#include "timer.h"
 #include "workers.h"
 
 static const char usage[] =
@@ -52,12 +52,6 @@ typedef struct progress {
   uint32_t field, fields;
   int last; /* percent */
 } progress;
-
-static double now(void) {
-  struct timespec time;
-  clock_gettime(CLOCK_MONOTONIC, &time);
-  return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
-}
 
 static void show_progress(void* user, double done) {
   progress* p = user;
@@ -144,7 +138,7 @@ static scree_result add_field(scatter* s, uint32_t index) {
   char where[SCENE_FILE_SIZE + 64], key[32];
   snprintf(key, sizeof key, "fields[%u].pack", index);
   snprintf(where, sizeof where, "%.*s: fields[%u]", SCENE_FILE_SIZE, s->options->scene, index);
-  double start = now();
+  double start = timer_seconds();
   scree_pack* pack;
   scree_result result = find_pack(&s->packs, &s->paths, key, field->pack, &pack, &s->error);
   if (result != SCREE_OK) return result;
@@ -172,7 +166,7 @@ static scree_result add_field(scatter* s, uint32_t index) {
     s->progress.field = index;
     result = rock_export_add(s->export, &layer, &s->reports[index].stats, &s->error);
   }
-  s->reports[index].seconds = now() - start;
+  s->reports[index].seconds = timer_seconds() - start;
   free((void*)layer.instances);
   free((void*)layer.hashes);
   scree_field_destroy(rocks);
@@ -229,7 +223,7 @@ static int finish(const scatter* s, scree_result result, bool is_writing) {
 
 static int run(scatter* s) {
   const options* o = s->options;
-  double start = now();
+  double start = timer_seconds();
   scree_result result = scene_load(o->scene, &s->scene, &s->error);
   if (result != SCREE_OK) return finish(s, result, false);
   if (o->report != NULL) result = file_replace_check(o->report, &s->error);
@@ -251,7 +245,7 @@ static int run(scatter* s) {
   rock_export_stats stats;
   result = rock_export_finish(s->export, &stats, &s->error);
   s->export = NULL;
-  double seconds = now() - start;
+  double seconds = timer_seconds() - start;
   if (result == SCREE_OK && o->report != NULL) result = save_report(s, &stats, seconds, &s->error);
   if (result == SCREE_OK && s->progress.is_shown) {
     end_progress(&s->progress);

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "arguments.h"
 #include "camera.h"
 
 static const char usage[] =
@@ -58,73 +59,27 @@ static int complain(const char* what, const char* why) {
   return 2;
 }
 
-static bool number(const char* text, long low, long high, long* out) {
-  char* end;
-  *out = strtol(text, &end, 10);
-  return end != text && *end == 0 && *out >= low && *out <= high;
-}
-
 static bool size(const char* text, view_options* out) {
-  char* end;
-  long width = strtol(text, &end, 10), height;
-  if (end == text || *end != 'x' || width < 16 || width > 8192 || !number(end + 1, 16, 8192, &height)) return false;
+  char *middle, *end;
+  const long width = strtol(text, &middle, 10);
+  if (middle == text || *middle != 'x') return false;
+  const long height = strtol(middle + 1, &end, 10);
+  if (end == middle + 1 || *end != 0 || width < 16 || width > 8192 || height < 16 || height > 8192) return false;
   out->width = (uint32_t)width;
   out->height = (uint32_t)height;
   return true;
 }
 
-/* Options without a value; returns false when it is none of them. */
-static bool parse_flag(const char* name, view_options* out) {
-  const struct {
-    const char* name;
-    bool* flag;
-  } flags[] = {{"--headless", &out->headless},
-               {"--wireframe", &out->wireframe},
-               {"--no-indirect", &out->no_indirect},
-               {"--no-panel", &out->no_panel}};
-  for (size_t i = 0; i < sizeof flags / sizeof *flags; ++i)
-    if (strcmp(name, flags[i].name) == 0) return *flags[i].flag = true;
-  return false;
-}
-
-/* Returns -1 to go on. */
-static int parse_value(const char* name, const char* value, view_options* out) {
-  long n;
-  if (strcmp(name, "--packs") == 0) {
-    out->paths.packs = value;
-  } else if (strcmp(name, "--data") == 0) {
-    out->paths.data = value;
-  } else if (strcmp(name, "--screenshot") == 0) {
-    out->screenshot = value;
-  } else if (strcmp(name, "--log") == 0) {
-    out->log = value;
-  } else if (strcmp(name, "--size") == 0) {
-    if (!size(value, out)) return complain(value, "--size takes WIDTHxHEIGHT, each 16..8192");
-  } else if (strcmp(name, "--camera") == 0) {
-    if (!camera_parse(value, out->eye, out->target, &out->field_of_view))
-      return complain(value, "--camera takes ex,ey,ez,tx,ty,tz or ex,ey,ez,tx,ty,tz,fov with fov in 1..170 degrees");
-    out->has_camera = true;
-  } else if (strcmp(name, "--samples") == 0) {
-    if (!number(value, 1, 256, &n)) return complain(value, "--samples takes a number from 1 to 256");
-    out->samples = (uint32_t)n;
-  } else if (strcmp(name, "--lod") == 0) {
-    if (!number(value, 0, RENDER_LODS - 1, &n)) return complain(value, "--lod takes a level from 0 to 5");
-    out->lod = (int32_t)n;
-  } else if (strcmp(name, "--pixel-error") == 0) {
-    char* end;
-    out->pixel_error = strtof(value, &end);
-    if (end == value || *end != 0 || !(out->pixel_error >= 0.05f && out->pixel_error <= 50))
-      return complain(value, "--pixel-error takes a number from 0.05 to 50");
-  } else if (strcmp(name, "--colour") == 0) {
-    static const char* const words[] = {"stone", "lod", "tile"};
-    int i = 0;
-    while (i < 3 && strcmp(value, words[i]) != 0) ++i;
-    if (i == 3) return complain(value, "--colour takes stone, lod or tile");
-    out->colour = (render_colour)i;
-  } else {
-    return complain(name, "unknown option; see --help");
+static int show_help(void) {
+  fputs(usage, stdout);
+  printf("In the window:\n");
+  for (const char* line = view_keys; *line != 0;) {
+    size_t length = strcspn(line, "\n");
+    printf("  %.*s\n", (int)length, line);
+    line += length + 1;
   }
-  return -1;
+  printf("\nExit status: 0 done, 1 the machine failed (memory, disk, no OpenGL), 2 a mistake in the arguments or the scene.\n");
+  return 0;
 }
 
 int view_options_parse(int count, char** arguments, view_options* out) {
@@ -132,39 +87,59 @@ int view_options_parse(int count, char** arguments, view_options* out) {
   out->width = 1280;
   out->height = 720;
   out->lod = -1;
-  for (int i = 1; i < count; ++i) {
-    const char* name = arguments[i];
-    if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0) {
-      fputs(usage, stdout);
-      printf("In the window:\n");
-      for (const char* line = view_keys; *line != 0;) {
-        size_t length = strcspn(line, "\n");
-        printf("  %.*s\n", (int)length, line);
-        line += length + 1;
-      }
-      printf("\nExit status: 0 done, 1 the machine failed (memory, disk, no OpenGL), 2 a mistake in the arguments or the scene.\n");
-      return 0;
-    }
-    if (strcmp(name, "--version") == 0) {
-      printf("scree-view %s\n", scree_version_string());
-      return 0;
-    }
-    if (name[0] != '-' || name[1] == 0) {
-      if (out->paths.scene != NULL) return complain(name, "one scene at a time; see --help");
-      out->paths.scene = name;
-      continue;
-    }
-    if (parse_flag(name, out)) continue;
-    static const char* const valued[] = {"--packs",  "--data",    "--screenshot", "--log",         "--size",
-                                         "--camera", "--samples", "--lod",        "--pixel-error", "--colour"};
-    bool known = false;
-    for (size_t k = 0; k < sizeof valued / sizeof *valued; ++k) known = known || strcmp(name, valued[k]) == 0;
-    if (!known) return complain(name, "unknown option; see --help");
-    if (i + 1 == count) return complain(name, "needs a value; see --help");
-    int status = parse_value(name, arguments[++i], out);
-    if (status >= 0) return status;
+  const char *size_text = NULL, *eye = NULL, *samples = NULL, *lod = NULL, *pixel_error = NULL, *colour = NULL;
+  bool help = false, version = false;
+  const argument known[] = {
+      {"--packs", NULL, &out->paths.packs, NULL},
+      {"--data", NULL, &out->paths.data, NULL},
+      {"--screenshot", NULL, &out->screenshot, NULL},
+      {"--log", NULL, &out->log, NULL},
+      {"--size", NULL, &size_text, NULL},
+      {"--camera", NULL, &eye, NULL},
+      {"--samples", NULL, &samples, NULL},
+      {"--lod", NULL, &lod, NULL},
+      {"--pixel-error", NULL, &pixel_error, NULL},
+      {"--colour", NULL, &colour, NULL},
+      {"--headless", NULL, NULL, &out->headless},
+      {"--wireframe", NULL, NULL, &out->wireframe},
+      {"--no-indirect", NULL, NULL, &out->no_indirect},
+      {"--no-panel", NULL, NULL, &out->no_panel},
+      {"--help", "-h", NULL, &help},
+      {"--version", NULL, NULL, &version},
+  };
+  size_t scenes;
+  scree_error error;
+  if (!arguments_read(count, arguments, known, sizeof known / sizeof *known, &out->paths.scene, 1, &scenes, &error)) {
+    fprintf(stderr, "scree-view: %s\n", error.message);
+    return 2;
   }
-  if (out->paths.scene == NULL) return complain("no scene", "see --help");
+  if (help) return show_help();
+  if (version) return printf("scree-view %s\n", scree_version_string()) < 0;
+  if (size_text != NULL && !size(size_text, out)) return complain(size_text, "--size takes WIDTHxHEIGHT, each 16..8192");
+  if (eye != NULL && !camera_parse(eye, out->eye, out->target, &out->field_of_view))
+    return complain(eye, "--camera takes ex,ey,ez,tx,ty,tz or ex,ey,ez,tx,ty,tz,fov with fov in 1..170 degrees");
+  out->has_camera = eye != NULL;
+  uint32_t level;
+  if ((samples != NULL && !arguments_number("--samples", samples, 1, 256, &out->samples, &error)) ||
+      (lod != NULL && !arguments_number("--lod", lod, 0, RENDER_LODS - 1, &level, &error))) {
+    fprintf(stderr, "scree-view: %s\n", error.message);
+    return 2;
+  }
+  if (lod != NULL) out->lod = (int32_t)level;
+  if (pixel_error != NULL) {
+    char* end;
+    out->pixel_error = strtof(pixel_error, &end);
+    if (end == pixel_error || *end != 0 || !(out->pixel_error >= 0.05f && out->pixel_error <= 50))
+      return complain(pixel_error, "--pixel-error takes a number from 0.05 to 50");
+  }
+  if (colour != NULL) {
+    static const char* const words[] = {"stone", "lod", "tile"};
+    int i = 0;
+    while (i < 3 && strcmp(colour, words[i]) != 0) ++i;
+    if (i == 3) return complain(colour, "--colour takes stone, lod or tile");
+    out->colour = (render_colour)i;
+  }
+  if (scenes == 0) return complain("no scene", "see --help");
   if (out->headless && out->screenshot == NULL) return complain("--headless", "give --screenshot FILE.png; see --help");
   return -1;
 }
