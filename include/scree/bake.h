@@ -1,4 +1,6 @@
-/* The baker: a recipe in, a pack out, all in memory. `scree-bake` is a thin program over these calls. */
+/* The baker: a recipe in, a pack out, all in memory. `scree-bake` is a thin program over these calls.
+ *
+ * Thread safety: calls share nothing but what they are given, so that recipes and bakes that differ may run at the same time. */
 #ifndef SCREE_BAKE_H
 #define SCREE_BAKE_H
 
@@ -21,7 +23,7 @@ typedef enum scree_orientation {
  * keys are the same names, see content/schema/recipe.schema.json. */
 typedef struct scree_recipe {
   char name[64];
-  uint64_t random_seed;
+  uint64_t random_seed;           /* 0..2^53, what a JSON number holds exactly */
   uint32_t n;                     /* the paper's n: cells per side of a tile with both corner layers counted, 4..9; N = n - 1 */
   uint32_t seeds_min, seeds_max;  /* seeds per cell, 1..20 */
   scree_range alpha, beta, gamma; /* coefficients of the anisotropic distance, > 0, <= 100; a larger one is a thinner rock there */
@@ -47,16 +49,19 @@ typedef struct scree_recipe {
   uint32_t hull_vertices;   /* at most so many vertices of the convex hull, 8..64 */
 } scree_recipe;
 
+/* Fills `out` with the default boulders. */
 SCREE_API void scree_recipe_default(scree_recipe* out);
 
 /* Parses a recipe. Keys that are absent keep their defaults; unknown keys, wrong types and numbers out of range are errors, named
  * in `error` (may be NULL). text: `size` bytes, need not end in NUL. Returns SCREE_OK, SYNTAX, RANGE or OUT_OF_MEMORY. */
 SCREE_API scree_result scree_recipe_parse(const char* text, size_t size, scree_recipe* out, scree_error* error);
 
-/* Applies one `KEY=VALUE`, VALUE as in JSON (a word without quotes is taken as a string). */
+/* Applies one `KEY=VALUE`, VALUE as in JSON (a word without quotes is taken as a string). assignment: NUL-terminated. On an error the
+ * recipe stays as it was. Returns SCREE_OK, SYNTAX, RANGE or OUT_OF_MEMORY; error: may be NULL. */
 SCREE_API scree_result scree_recipe_set(scree_recipe* recipe, const char* assignment, scree_error* error);
 
-/* Writes the recipe as JSON with every key, in a fixed order. Returns the bytes needed without the NUL, like snprintf. */
+/* Writes the recipe as JSON with every key, in a fixed order. text: `capacity` bytes, may be NULL when that is 0. Returns the bytes
+ * needed without the NUL, like snprintf. */
 SCREE_API size_t scree_recipe_write(const scree_recipe* recipe, char* text, size_t capacity);
 
 typedef struct scree_bake_desc {
@@ -92,6 +97,7 @@ typedef struct scree_bake_report {
  * Returns SCREE_OK, RANGE, OUT_OF_MEMORY, UNSUPPORTED (a build without Draco) or CANCELLED. */
 SCREE_API scree_result scree_bake_rocks(const scree_bake_desc* desc, uint8_t** bytes, size_t* size, scree_bake_report* report,
                                         scree_error* error);
+/* Gives a pack back to the allocator it came from; NULL is allowed. */
 SCREE_API void scree_bake_free(const scree_bake_desc* desc, uint8_t* bytes, size_t size);
 
 #ifdef __cplusplus

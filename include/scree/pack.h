@@ -83,7 +83,7 @@ SCREE_API scree_result scree_pack_get_asset(const scree_pack* pack, uint32_t ass
 typedef struct scree_lod {
   uint32_t vertices;   /* as decoded */
   uint32_t triangles;  /* 0 where a rock is too small for the level: then there are no vertices and no blob */
-  float error;         /* largest distance to LOD 0's surface, cells (object space); 0 for LOD 0 */
+  float error;         /* largest distance from a vertex of LOD 0 to this level's surface, cells; 0 for LOD 0 */
   uint64_t digest;     /* of the canonical mesh, see docs/pack_format.md */
   const uint8_t* blob; /* Draco bytes, inside the pack */
   size_t blob_size;
