@@ -56,8 +56,8 @@ SCREE_API void scree_recipe_default(scree_recipe* out);
  * in `error` (may be NULL). text: `size` bytes, need not end in NUL. Returns SCREE_OK, SYNTAX, RANGE or OUT_OF_MEMORY. */
 SCREE_API scree_result scree_recipe_parse(const char* text, size_t size, scree_recipe* out, scree_error* error);
 
-/* Applies one `KEY=VALUE`, VALUE as in JSON (a word without quotes is taken as a string). assignment: NUL-terminated. On an error the
- * recipe stays as it was. Returns SCREE_OK, SYNTAX, RANGE or OUT_OF_MEMORY; error: may be NULL. */
+/* Applies one `KEY=VALUE`, VALUE as in JSON (a word without quotes is taken as a string). assignment: NUL-terminated. On an error
+ * the recipe stays as it was. Returns SCREE_OK, SYNTAX, RANGE or OUT_OF_MEMORY; error: may be NULL. */
 SCREE_API scree_result scree_recipe_set(scree_recipe* recipe, const char* assignment, scree_error* error);
 
 /* Writes the recipe as JSON with every key, in a fixed order. text: `capacity` bytes, may be NULL when that is 0. Returns the bytes
