@@ -63,7 +63,7 @@ static void plain_and_wide_kernels_give_the_same_bits(void** state) {
     assert_string_equal(plain.kernels->name, "plain");
     if (wide.kernels == plain.kernels) print_message("this machine has one set of kernels\n");
     uint32_t rocks = 0, unlike = 0;
-    for (uint32_t i = 0; i < plain.cell_count; i += 3) {
+    for (uint32_t i = 0; i < plain.cell_count; i += 7) {
       const uint32_t cell = plain.cells[i];
       for (uint32_t seed = 0; seed < plain.cell_rocks[cell + 1] - plain.cell_rocks[cell]; ++seed) {
         bake_worker *a = &plain.workers[0], *b = &wide.workers[0];
@@ -93,7 +93,7 @@ static void plain_and_wide_kernels_give_the_same_bits(void** state) {
     }
     bake_end(&plain);
     bake_end(&wide);
-    assert_true(rocks > 500);
+    assert_true(rocks > 300);
     assert_int_equal(unlike, 0);
   }
 }
@@ -208,10 +208,10 @@ static void memory_that_runs_short_anywhere_is_reported_and_given_back(void** st
   assert_int_equal(result, SCREE_OK);
   assert_true(total > 2000);
   uint32_t tried = 0;
-  /* Each of the first, where tables are made and buffers grow, and of the last, where the pack is; a few of the many alike between.
-   */
-  for (uint32_t n = 1; n <= total; n += n < 64 || n + 6 >= total ? 1 : n + 6 + total / 5 < total ? total / 5 : total - 6 - n) {
-    for (int after = 0; after < 2; ++after) {
+  /* Each of the first, where tables are made and buffers grow, alone and with all that follow; two of the many alike; and each of
+   * the last, where the pack is. */
+  for (uint32_t n = 1; n <= total; n += n < 64 || n + 5 > total ? 1 : n < total / 2 ? total / 2 - n : total - 4 - n) {
+    for (int after = 0; after < (n <= 64 ? 2 : 1); ++after) {
       host h = {.fail_at = n, .fail_after = after != 0};
       bake_with(&h, &result);
       assert_int_equal(result, SCREE_ERROR_OUT_OF_MEMORY);
@@ -227,8 +227,8 @@ static void seeds_whose_rocks_are_empty_leave_gaps_in_the_numbers(void** state) 
   (void)state;
   scree_recipe recipe = small_recipe();
   recipe.lod_levels = 1;
-  recipe.seeds_min = 10, recipe.seeds_max = 14;
-  recipe.g = (scree_range){0.5, 8};
+  recipe.seeds_min = 3, recipe.seeds_max = 5;
+  recipe.g = (scree_range){0.05, 16};
   recipe.erosion = 0.1;
   const scree_bake_desc desc = {.recipe = &recipe, .jobs = threads_jobs(2)};
   uint8_t* bytes;
@@ -239,7 +239,7 @@ static void seeds_whose_rocks_are_empty_leave_gaps_in_the_numbers(void** state) 
   assert_int_equal(scree_pack_verify(pack), SCREE_OK);
   scree_pack_info info;
   scree_pack_get_info(pack, &info);
-  assert_true(info.max_rocks_per_cell <= 14);
+  assert_true(info.max_rocks_per_cell <= 5);
   uint32_t gaps = 0;
   for (uint32_t cell = 0; cell < info.cell_count; ++cell) {
     uint32_t first, count;

@@ -34,6 +34,7 @@ done
 
 # shellcheck disable=SC2086
 $runner "$work/digest_small" >"$work/digests.txt"
+[ -z "${SCREE_UPDATE_GOLDEN:-}" ] || cp "$work/digests.txt" "$golden"
 if ! cmp -s "$golden" "$work/digests.txt"; then
   echo "$compiler $level $kernels $runner: the digests are not those of $golden"
   diff "$golden" "$work/digests.txt" || true
