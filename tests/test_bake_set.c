@@ -41,6 +41,7 @@ static void threads_make_no_difference_to_a_byte(void** state) {
       digest = report.digest;
       continue;
     }
+    assert_non_null(first);
     assert_int_equal(size, first_size);
     assert_true(memcmp(bytes, first, size) == 0);
     assert_true(report.digest == digest);

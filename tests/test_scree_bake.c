@@ -4,6 +4,7 @@
 #include <scree/pack.h>
 
 #include <dirent.h>
+#include <fcntl.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -118,6 +119,7 @@ static void an_output_that_cannot_be_written_is_found_out_first(void** state) {
   expect_refusal("good.json -o nowhere/x.scree", "nowhere/x.scree", "No such file");
   expect_refusal("good.json -o good.json/x.scree", "good.json/x.scree", "directory");
   expect_refusal("good.json -o x.scree --report nowhere/r.json", "nowhere/r.json", "No such file");
+  expect_refusal("good.json -o x.scree --report x.scree", "x.scree", "both");
   if (geteuid() != 0) { /* root may write anywhere */
     assert_int_equal(mkdir("locked", 0555), 0);
     expect_refusal("good.json -o locked/x.scree", "locked/x.scree", "denied");
@@ -168,6 +170,28 @@ static void a_bake_writes_the_pack_and_the_report_and_says_nothing(void** state)
   scree_pack_close(pack);
 }
 
+/* A pipe stands for /dev/null, which root could replace by a file. */
+static void a_device_is_written_to_and_not_replaced(void** state) {
+  (void)state;
+  write_text("good.json", "{\"n\": 4, \"voxels_per_cell\": 6}", 30);
+  assert_int_equal(mkfifo("pipe", 0600), 0);
+  const int reader = open("pipe", O_RDONLY | O_NONBLOCK);
+  assert_true(reader >= 0);
+  const uint32_t before = count_files();
+  run_result result;
+  run("good.json -o x.scree --set lod_levels=1 --report pipe", &result);
+  assert_string_equal(result.err, "");
+  assert_int_equal(result.status, 0);
+  assert_int_equal(count_files(), before + 1);
+  char report[16384] = "";
+  assert_true(read(reader, report, sizeof report - 1) > 0);
+  close(reader);
+  assert_non_null(strstr(report, "\"rocks\": 2266"));
+  struct stat status;
+  assert_int_equal(stat("pipe", &status), 0);
+  assert_true(S_ISFIFO(status.st_mode));
+}
+
 static void help_version_and_the_recipe_are_printed(void** state) {
   (void)state;
   run_result result;
@@ -203,6 +227,7 @@ int main(int count, char** arguments) {
       cmocka_unit_test_setup_teardown(an_output_that_cannot_be_written_is_found_out_first, enter, leave),
       cmocka_unit_test_setup_teardown(a_truncated_recipe_leaves_nothing_behind, enter, leave),
       cmocka_unit_test_setup_teardown(a_bake_writes_the_pack_and_the_report_and_says_nothing, enter, leave),
+      cmocka_unit_test_setup_teardown(a_device_is_written_to_and_not_replaced, enter, leave),
       cmocka_unit_test_setup_teardown(help_version_and_the_recipe_are_printed, enter, leave),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
