@@ -16,15 +16,15 @@
 /* Unique cells in the order of the tile that they are baked in: cells[first[code]] .. */
 static scree_result sort_cells(bake_run* out) {
   const uint32_t n = out->seeds.n;
-  out->cell_count = lattice_cell_count(n);
-  out->cells = allocate(&out->allocator, out->cell_count, sizeof *out->cells);
-  out->cell_rocks = allocate(&out->allocator, (size_t)out->cell_count + 1, sizeof *out->cell_rocks);
+  out->cell_count = scree_rt_lattice_cell_count(n);
+  out->cells = scree_rt_allocate(&out->allocator, out->cell_count, sizeof *out->cells);
+  out->cell_rocks = scree_rt_allocate(&out->allocator, (size_t)out->cell_count + 1, sizeof *out->cell_rocks);
   if (out->cells == NULL || out->cell_rocks == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
   memset(out->tile_first, 0, sizeof out->tile_first);
   uint32_t code, x, y, z, count;
   uint32_t rocks = 0;
   for (uint32_t cell = 0; cell < out->cell_count; ++cell) {
-    lattice_cell_place(n, cell, &code, &x, &y, &z);
+    scree_rt_lattice_cell_place(n, cell, &code, &x, &y, &z);
     ++out->tile_first[code + 1];
     seeds_of_cell(&out->seeds, code, (int32_t)x, (int32_t)y, (int32_t)z, &count);
     out->cell_rocks[cell] = rocks;
@@ -36,7 +36,7 @@ static scree_result sort_cells(bake_run* out) {
   uint32_t next[TILES];
   memcpy(next, out->tile_first, sizeof next);
   for (uint32_t cell = 0; cell < out->cell_count; ++cell) {
-    lattice_cell_place(n, cell, &code, &x, &y, &z);
+    scree_rt_lattice_cell_place(n, cell, &code, &x, &y, &z);
     out->cells[next[code]++] = cell;
   }
   return SCREE_OK;
@@ -57,7 +57,7 @@ static void fill_shared(void* context, uint32_t index, uint32_t worker) {
 
 scree_result bake_begin(const scree_bake_desc* desc, bool plain_kernels, bake_run* out) {
   memset(out, 0, sizeof *out);
-  out->allocator = allocator_or_default(&desc->allocator);
+  out->allocator = scree_rt_allocator_or_default(&desc->allocator);
   out->recipe = *desc->recipe;
   out->kernels = kernels_choose(plain_kernels);
   out->worker_count = desc->jobs.parallel_for == NULL ? 1 : desc->jobs.worker_count;
@@ -67,7 +67,7 @@ scree_result bake_begin(const scree_bake_desc* desc, bool plain_kernels, bake_ru
   if (result == SCREE_OK) result = shared_blocks_create(&out->seeds, &out->tables, out->kernels, &out->allocator, &out->shared);
   if (result == SCREE_OK) result = sort_cells(out);
   if (result == SCREE_OK) {
-    out->workers = allocate_zeroed(&out->allocator, out->worker_count, sizeof *out->workers);
+    out->workers = scree_rt_allocate_zeroed(&out->allocator, out->worker_count, sizeof *out->workers);
     if (out->workers == NULL) result = SCREE_ERROR_OUT_OF_MEMORY;
   }
   for (uint32_t w = 0; w < out->worker_count && result == SCREE_OK; ++w) {
@@ -88,9 +88,9 @@ void bake_end(bake_run* bake) {
     rock_mesher_destroy(&bake->workers[w].mesher);
     rock_worker_destroy(&bake->workers[w].rock, &bake->allocator);
   }
-  release(&bake->allocator, bake->workers, bake->worker_count, sizeof *bake->workers);
-  release(&bake->allocator, bake->cells, bake->cell_count, sizeof *bake->cells);
-  release(&bake->allocator, bake->cell_rocks, (size_t)bake->cell_count + 1, sizeof *bake->cell_rocks);
+  scree_rt_release(&bake->allocator, bake->workers, bake->worker_count, sizeof *bake->workers);
+  scree_rt_release(&bake->allocator, bake->cells, bake->cell_count, sizeof *bake->cells);
+  scree_rt_release(&bake->allocator, bake->cell_rocks, (size_t)bake->cell_count + 1, sizeof *bake->cell_rocks);
   shared_blocks_destroy(&bake->shared, &bake->allocator);
   block_tables_destroy(&bake->tables, &bake->allocator);
   seed_set_destroy(&bake->seeds, &bake->allocator);
@@ -99,7 +99,7 @@ void bake_end(bake_run* bake) {
 
 bool bake_rock_field(bake_run* bake, bake_worker* worker, uint32_t cell, uint32_t seed) {
   uint32_t code, x, y, z;
-  lattice_cell_place(bake->seeds.n, cell, &code, &x, &y, &z);
+  scree_rt_lattice_cell_place(bake->seeds.n, cell, &code, &x, &y, &z);
   if (!worker->started || worker->rock.blocks.code != code) block_cache_begin(&worker->rock.blocks, code);
   worker->started = true;
   if (!rock_voronoi(&worker->rock, (int32_t)x, (int32_t)y, (int32_t)z, seed)) return false;
@@ -121,16 +121,16 @@ typedef struct set_bake {
 } set_bake;
 
 static void free_record(rock_record* rock, const scree_allocator* allocator) {
-  release(allocator, rock->hull, rock->hull_count, sizeof *rock->hull);
-  release(allocator, rock->contacts, rock->contact_count, sizeof *rock->contacts);
+  scree_rt_release(allocator, rock->hull, rock->hull_count, sizeof *rock->hull);
+  scree_rt_release(allocator, rock->contacts, rock->contact_count, sizeof *rock->contacts);
   for (uint32_t level = 0; level < ROCK_MAX_LODS; ++level)
-    release(allocator, rock->lods[level].blob, rock->lods[level].blob_size, 1);
+    scree_rt_release(allocator, rock->lods[level].blob, rock->lods[level].blob_size, 1);
 }
 
 static scree_result copy_contacts(const bake_run* bake, const rock_worker* worker, rock_record* out) {
   out->contact_count = worker->contact_count;
   if (out->contact_count == 0) return SCREE_OK;
-  out->contacts = allocate_zeroed(&bake->allocator, out->contact_count, sizeof *out->contacts);
+  out->contacts = scree_rt_allocate_zeroed(&bake->allocator, out->contact_count, sizeof *out->contacts);
   if (out->contacts == NULL) {
     out->contact_count = 0;
     return SCREE_ERROR_OUT_OF_MEMORY;
@@ -158,7 +158,7 @@ scree_result bake_rock(bake_run* bake, bake_worker* worker, uint32_t cell, uint3
   rock_mass(&worker->mesher, 1.0f / (float)(recipe->lattice_steps * recipe->voxels_per_cell), out);
   int16_t hull[ROCK_MAX_HULL][3];
   const uint32_t hull_count = rock_hull(&worker->mesher, recipe->hull_vertices, hull);
-  out->hull = allocate(&bake->allocator, hull_count, sizeof *out->hull);
+  out->hull = scree_rt_allocate(&bake->allocator, hull_count, sizeof *out->hull);
   if (out->hull == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
   out->hull_count = hull_count;
   memcpy(out->hull, hull, hull_count * sizeof *hull);
@@ -244,8 +244,8 @@ scree_result scree_bake_rocks(const scree_bake_desc* desc, uint8_t** bytes, size
   atomic_init(&set.failure, SCREE_OK);
   atomic_init(&set.tiles_done, 0);
   atomic_flag_clear(&set.reporting);
-  set.rocks = allocate_zeroed(&bake.allocator, bake.slot_count, sizeof *set.rocks);
-  uint32_t* cell_first = allocate(&bake.allocator, (size_t)bake.cell_count + 1, sizeof *cell_first);
+  set.rocks = scree_rt_allocate_zeroed(&bake.allocator, bake.slot_count, sizeof *set.rocks);
+  uint32_t* cell_first = scree_rt_allocate(&bake.allocator, (size_t)bake.cell_count + 1, sizeof *cell_first);
   if (set.rocks == NULL || cell_first == NULL) result = SCREE_ERROR_OUT_OF_MEMORY;
   if (result == SCREE_OK) {
     run_jobs(&desc->jobs, TILES, bake_tile, &set);
@@ -271,7 +271,7 @@ scree_result scree_bake_rocks(const scree_bake_desc* desc, uint8_t** bytes, size
     }
     cell_first[bake.cell_count] = kept;
     recipe_size = scree_recipe_write(&bake.recipe, NULL, 0) + 1;
-    recipe_text = allocate(&bake.allocator, recipe_size, 1);
+    recipe_text = scree_rt_allocate(&bake.allocator, recipe_size, 1);
     if (recipe_text == NULL)
       result = SCREE_ERROR_OUT_OF_MEMORY;
     else {
@@ -296,22 +296,22 @@ scree_result scree_bake_rocks(const scree_bake_desc* desc, uint8_t** bytes, size
           report->digest = info.digest;
           scree_pack_close(pack);
         } else {
-          release(&bake.allocator, *bytes, *size, 1);
+          scree_rt_release(&bake.allocator, *bytes, *size, 1);
           *bytes = NULL;
           *size = 0;
         }
       }
     }
   }
-  release(&bake.allocator, recipe_text, recipe_size, 1);
+  scree_rt_release(&bake.allocator, recipe_text, recipe_size, 1);
   for (uint32_t slot = 0; set.rocks != NULL && slot < bake.slot_count; ++slot) free_record(&set.rocks[slot], &bake.allocator);
-  release(&bake.allocator, set.rocks, bake.slot_count, sizeof *set.rocks);
-  release(&bake.allocator, cell_first, (size_t)bake.cell_count + 1, sizeof *cell_first);
+  scree_rt_release(&bake.allocator, set.rocks, bake.slot_count, sizeof *set.rocks);
+  scree_rt_release(&bake.allocator, cell_first, (size_t)bake.cell_count + 1, sizeof *cell_first);
   bake_end(&bake);
   return result;
 }
 
 void scree_bake_free(const scree_bake_desc* desc, uint8_t* bytes, size_t size) {
-  const scree_allocator allocator = allocator_or_default(&desc->allocator);
-  release(&allocator, bytes, size, 1);
+  const scree_allocator allocator = scree_rt_allocator_or_default(&desc->allocator);
+  scree_rt_release(&allocator, bytes, size, 1);
 }

@@ -25,7 +25,7 @@ scree_result block_tables_create(const scree_recipe* recipe, const scree_allocat
   float** planes[10] = {
       &out->x,          &out->y,          &out->weight_xy[0], &out->weight_xy[1], &out->weight_xy[2], &out->weight_xy[3],
       &out->slope_x[0], &out->slope_x[1], &out->slope_y[0],   &out->slope_y[1]};
-  float* memory = allocate_zeroed(allocator, (size_t)10 * out->plane + (size_t)4 * voxels, sizeof(float));
+  float* memory = scree_rt_allocate_zeroed(allocator, (size_t)10 * out->plane + (size_t)4 * voxels, sizeof(float));
   if (memory == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
   for (uint32_t i = 0; i < 10; ++i) *planes[i] = memory + (size_t)i * out->plane;
   for (uint32_t side = 0; side < 2; ++side) {
@@ -55,7 +55,7 @@ scree_result block_tables_create(const scree_recipe* recipe, const scree_allocat
 }
 
 void block_tables_destroy(block_tables* tables, const scree_allocator* allocator) {
-  release(allocator, tables->x, (size_t)10 * tables->plane + (size_t)4 * tables->voxels, sizeof(float));
+  scree_rt_release(allocator, tables->x, (size_t)10 * tables->plane + (size_t)4 * tables->voxels, sizeof(float));
   memset(tables, 0, sizeof *tables);
 }
 
@@ -136,7 +136,7 @@ scree_result shared_blocks_create(const seed_set* seeds, const block_tables* tab
   out->tables = tables;
   out->kernels = kernels;
   const uint32_t classes = seeds->n * seeds->n * seeds->n;
-  out->first = allocate(allocator, classes, sizeof *out->first);
+  out->first = scree_rt_allocate(allocator, classes, sizeof *out->first);
   if (out->first == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
   for (uint32_t class = 0; class < classes; ++class) {
     const uint32_t count = variants(seeds->n, class);
@@ -144,8 +144,8 @@ scree_result shared_blocks_create(const seed_set* seeds, const block_tables* tab
     out->count += count;
   }
   out->memory_count = out->count * block_floats(tables);
-  out->blocks = allocate(allocator, out->count, sizeof *out->blocks);
-  out->memory = allocate(allocator, out->memory_count, sizeof *out->memory);
+  out->blocks = scree_rt_allocate(allocator, out->count, sizeof *out->blocks);
+  out->memory = scree_rt_allocate(allocator, out->memory_count, sizeof *out->memory);
   if (out->blocks == NULL || out->memory == NULL) {
     shared_blocks_destroy(out, allocator);
     return SCREE_ERROR_OUT_OF_MEMORY;
@@ -156,9 +156,9 @@ scree_result shared_blocks_create(const seed_set* seeds, const block_tables* tab
 
 void shared_blocks_destroy(shared_blocks* shared, const scree_allocator* allocator) {
   const size_t n = shared->seeds == NULL ? 0 : shared->seeds->n;
-  release(allocator, shared->first, n * n * n, sizeof *shared->first);
-  release(allocator, shared->blocks, shared->count, sizeof *shared->blocks);
-  release(allocator, shared->memory, shared->memory_count, sizeof *shared->memory);
+  scree_rt_release(allocator, shared->first, n * n * n, sizeof *shared->first);
+  scree_rt_release(allocator, shared->blocks, shared->count, sizeof *shared->blocks);
+  scree_rt_release(allocator, shared->memory, shared->memory_count, sizeof *shared->memory);
   memset(shared, 0, sizeof *shared);
 }
 
@@ -187,9 +187,9 @@ scree_result block_cache_create(const shared_blocks* shared, const scree_allocat
   out->side = shared->seeds->n - 2;
   const size_t count = (size_t)out->side * out->side * out->side;
   out->memory_count = count * block_floats(shared->tables);
-  out->blocks = allocate(allocator, count, sizeof *out->blocks);
-  out->filled = allocate_zeroed(allocator, count, 1);
-  out->memory = allocate(allocator, out->memory_count, sizeof *out->memory);
+  out->blocks = scree_rt_allocate(allocator, count, sizeof *out->blocks);
+  out->filled = scree_rt_allocate_zeroed(allocator, count, 1);
+  out->memory = scree_rt_allocate(allocator, out->memory_count, sizeof *out->memory);
   if (out->blocks == NULL || out->filled == NULL || out->memory == NULL) {
     block_cache_destroy(out, allocator);
     return SCREE_ERROR_OUT_OF_MEMORY;
@@ -200,9 +200,9 @@ scree_result block_cache_create(const shared_blocks* shared, const scree_allocat
 
 void block_cache_destroy(block_cache* cache, const scree_allocator* allocator) {
   const size_t count = (size_t)cache->side * cache->side * cache->side;
-  release(allocator, cache->blocks, count, sizeof *cache->blocks);
-  release(allocator, cache->filled, count, 1);
-  release(allocator, cache->memory, cache->memory_count, sizeof *cache->memory);
+  scree_rt_release(allocator, cache->blocks, count, sizeof *cache->blocks);
+  scree_rt_release(allocator, cache->filled, count, 1);
+  scree_rt_release(allocator, cache->memory, cache->memory_count, sizeof *cache->memory);
   memset(cache, 0, sizeof *cache);
 }
 

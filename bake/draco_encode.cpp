@@ -32,7 +32,7 @@ std::vector<float> normals_of(const lattice_mesh& mesh) {
   for (uint32_t i = 0; i < mesh.vertex_count; ++i)
     std::memcpy(vertices[i].position, mesh.positions[i], sizeof vertices[i].position);
   const std::unique_ptr<char[]> scratch(new char[size_t{mesh.vertex_count} * MESH_NORMALS_SCRATCH]);
-  mesh_normals(vertices.data(), mesh.vertex_count, mesh.indices, mesh.triangle_count, scratch.get());
+  scree_rt_mesh_normals(vertices.data(), mesh.vertex_count, mesh.indices, mesh.triangle_count, scratch.get());
   std::vector<float> normals;
   for (const scree_vertex& vertex : vertices)
     for (const int16_t component : vertex.normal) normals.push_back(static_cast<float>(component) / 32767.0f);
@@ -97,14 +97,14 @@ scree_result encode(const draco_encode_options& options, const lattice_mesh& mes
   draco::EncoderBuffer buffer;
   if (!encoder.EncodeToBuffer(&buffer).ok() || buffer.size() > UINT32_MAX) return SCREE_ERROR_INVALID_ARGUMENT;
 
-  uint8_t* blob = static_cast<uint8_t*>(allocate(allocator, buffer.size(), 1));
+  uint8_t* blob = static_cast<uint8_t*>(scree_rt_allocate(allocator, buffer.size(), 1));
   if (blob == nullptr) return SCREE_ERROR_OUT_OF_MEMORY;
   std::memcpy(blob, buffer.data(), buffer.size());
   out->blob = blob;
   out->blob_size = static_cast<uint32_t>(buffer.size());
   out->vertex_count = static_cast<uint32_t>(encoder.num_encoded_points());
   out->triangle_count = static_cast<uint32_t>(encoder.num_encoded_faces());
-  out->digest = mesh_digest(mesh.positions, sizeof *mesh.positions, values.data(), 1, mesh.indices, mesh.triangle_count);
+  out->digest = scree_rt_mesh_digest(mesh.positions, sizeof *mesh.positions, values.data(), 1, mesh.indices, mesh.triangle_count);
   return SCREE_OK;
 }
 
@@ -120,10 +120,10 @@ draco_encode_options draco_encode_defaults(void) {
 
 scree_result draco_encode_with(const draco_encode_options* options, const lattice_mesh* mesh, const scree_allocator* given,
                                rock_lod* out) {
-  const scree_allocator allocator = allocator_or_default(given);
+  const scree_allocator allocator = scree_rt_allocator_or_default(given);
   *out = rock_lod{};
   out->error = mesh->error;
-  out->digest = mesh_digest(nullptr, 0, nullptr, 0, nullptr, 0);
+  out->digest = scree_rt_mesh_digest(nullptr, 0, nullptr, 0, nullptr, 0);
   if (mesh->triangle_count == 0) return SCREE_OK;
   if (!triangles_are_sound(*mesh)) return SCREE_ERROR_INVALID_ARGUMENT;
   try {

@@ -8,7 +8,7 @@
 extern "C" {
 #endif
 
-/* Encodes a mesh and fills *out, whose blob is then owned by the caller: release(allocator, blob, blob_size, 1).
+/* Encodes a mesh and fills *out, whose blob is then owned by the caller: scree_rt_release(allocator, blob, blob_size, 1).
  *
  * Positions decode to the same integers; occlusion is first rounded to the levels that a pack keeps (runtime/occlusion.h), and
  * the digest is of the mesh with these levels, so that it equals the digest of what decodes. A mesh without triangles gives an

@@ -11,11 +11,11 @@ scree_result noise_scratch_create(uint32_t voxels, double cells, double frequenc
   out->side = (uint32_t)ceil(cells * frequency) + 5;
   out->width = voxels;
   const size_t side = out->side;
-  out->lattice = allocate(allocator, side * side * side, sizeof *out->lattice);
-  out->plane = allocate(allocator, side * side, sizeof *out->plane);
-  out->row = allocate(allocator, side, sizeof *out->row);
-  out->index = allocate(allocator, voxels, sizeof *out->index);
-  out->weights = allocate(allocator, (size_t)voxels * 4, sizeof *out->weights);
+  out->lattice = scree_rt_allocate(allocator, side * side * side, sizeof *out->lattice);
+  out->plane = scree_rt_allocate(allocator, side * side, sizeof *out->plane);
+  out->row = scree_rt_allocate(allocator, side, sizeof *out->row);
+  out->index = scree_rt_allocate(allocator, voxels, sizeof *out->index);
+  out->weights = scree_rt_allocate(allocator, (size_t)voxels * 4, sizeof *out->weights);
   if (out->lattice == NULL || out->plane == NULL || out->row == NULL || out->index == NULL || out->weights == NULL) {
     noise_scratch_destroy(out, allocator);
     return SCREE_ERROR_OUT_OF_MEMORY;
@@ -25,11 +25,11 @@ scree_result noise_scratch_create(uint32_t voxels, double cells, double frequenc
 
 void noise_scratch_destroy(noise_scratch* scratch, const scree_allocator* allocator) {
   const size_t side = scratch->side;
-  release(allocator, scratch->lattice, side * side * side, sizeof *scratch->lattice);
-  release(allocator, scratch->plane, side * side, sizeof *scratch->plane);
-  release(allocator, scratch->row, side, sizeof *scratch->row);
-  release(allocator, scratch->index, scratch->width, sizeof *scratch->index);
-  release(allocator, scratch->weights, (size_t)scratch->width * 4, sizeof *scratch->weights);
+  scree_rt_release(allocator, scratch->lattice, side * side * side, sizeof *scratch->lattice);
+  scree_rt_release(allocator, scratch->plane, side * side, sizeof *scratch->plane);
+  scree_rt_release(allocator, scratch->row, side, sizeof *scratch->row);
+  scree_rt_release(allocator, scratch->index, scratch->width, sizeof *scratch->index);
+  scree_rt_release(allocator, scratch->weights, (size_t)scratch->width * 4, sizeof *scratch->weights);
   memset(scratch, 0, sizeof *scratch);
 }
 

@@ -26,7 +26,7 @@ static scree_result place_sections(const uint64_t elements[PACK_SECTION_KINDS], 
     pack_section* section = &layout->sections[i];
     section->kind = i + 1;
     const bool narrow = section->kind == PACK_CONTACTS ? layout->narrow_contacts : layout->narrow_hulls;
-    section->element_size = pack_element_size(section->kind, narrow);
+    section->element_size = scree_rt_pack_element_size(section->kind, narrow);
     section->offset = round_up(end, PACK_ALIGNMENT);
     section->size = elements[i] * section->element_size;
     end = section->offset + section->size;
@@ -39,7 +39,8 @@ static scree_result check_cells(const rock_set* set, pack_layout* layout) {
   if (set->cells_per_cube < 1 || set->cells_per_cube > PACK_MAX_CELLS_PER_CUBE) return SCREE_ERROR_RANGE;
   if (set->lattice_per_cell < 1 || set->lattice_per_cell > PACK_MAX_LATTICE_PER_CELL) return SCREE_ERROR_RANGE;
   if (set->lod_count < 1 || set->lod_count > ROCK_MAX_LODS) return SCREE_ERROR_RANGE;
-  if (set->rock_count < 1 || set->cell_count != lattice_cell_count(set->cells_per_cube)) return SCREE_ERROR_INVALID_ARGUMENT;
+  if (set->rock_count < 1 || set->cell_count != scree_rt_lattice_cell_count(set->cells_per_cube))
+    return SCREE_ERROR_INVALID_ARGUMENT;
   if (set->cell_first[0] != 0 || set->cell_first[set->cell_count] != set->rock_count) return SCREE_ERROR_INVALID_ARGUMENT;
   for (uint32_t cell = 0; cell < set->cell_count; ++cell) {
     if (set->cell_first[cell] > set->cell_first[cell + 1]) return SCREE_ERROR_INVALID_ARGUMENT;
@@ -125,11 +126,11 @@ static scree_result measure(const rock_set* set, const scree_allocator* allocato
   if (levels >= UINT32_MAX / 4) return SCREE_ERROR_RANGE;
   size_t slot_count = 16;
   while (slot_count < 2 * levels) slot_count *= 2;
-  uint32_t* slots = allocate(allocator, slot_count, sizeof *slots);
-  layout->blob_offsets = allocate(allocator, (size_t)levels, sizeof *layout->blob_offsets);
+  uint32_t* slots = scree_rt_allocate(allocator, slot_count, sizeof *slots);
+  layout->blob_offsets = scree_rt_allocate(allocator, (size_t)levels, sizeof *layout->blob_offsets);
   result = slots != NULL && layout->blob_offsets != NULL ? SCREE_OK : SCREE_ERROR_OUT_OF_MEMORY;
   if (result == SCREE_OK) result = place_blobs(set, slots, slot_count, layout->blob_offsets, &blob_bytes);
-  release(allocator, slots, slot_count, sizeof *slots);
+  scree_rt_release(allocator, slots, slot_count, sizeof *slots);
   if (result != SCREE_OK) return result;
   const uint64_t elements[PACK_SECTION_KINDS] = {
       strlen(set->recipe) + 1, 256 * n * n * n, set->cell_count + UINT64_C(1),
@@ -144,7 +145,7 @@ static void write_tiles(const rock_set* set, uint32_t* tiles) {
   for (uint32_t code = 0; code < 256; ++code)
     for (uint32_t z = 0; z < n; ++z)
       for (uint32_t y = 0; y < n; ++y)
-        for (uint32_t x = 0; x < n; ++x) *tiles++ = lattice_cell(n, code, x, y, z);
+        for (uint32_t x = 0; x < n; ++x) *tiles++ = scree_rt_lattice_cell(n, code, x, y, z);
 }
 
 /* Where the next element of each section with elements of varying number goes. */
@@ -219,7 +220,7 @@ static void seal(const rock_set* set, pack_layout* layout, uint8_t* bytes) {
   const pack_section* sections[PACK_SECTION_KINDS];
   for (uint32_t i = 0; i < PACK_SECTION_KINDS; ++i) {
     pack_section* section = &layout->sections[i];
-    section->digest = pack_bytes_digest(bytes + section->offset, (size_t)section->size);
+    section->digest = scree_rt_pack_bytes_digest(bytes + section->offset, (size_t)section->size);
     sections[i] = section;
   }
   memcpy(bytes + sizeof(pack_header), layout->sections, sizeof layout->sections);
@@ -227,7 +228,7 @@ static void seal(const rock_set* set, pack_layout* layout, uint8_t* bytes) {
       .format_version = PACK_FORMAT_VERSION,
       .section_count = PACK_SECTION_KINDS,
       .file_size = layout->file_size,
-      .table_digest = pack_bytes_digest(layout->sections, sizeof layout->sections),
+      .table_digest = scree_rt_pack_bytes_digest(layout->sections, sizeof layout->sections),
       .cells_per_cube = set->cells_per_cube,
       .lattice_per_cell = set->lattice_per_cell,
       .lod_count = set->lod_count,
@@ -235,8 +236,8 @@ static void seal(const rock_set* set, pack_layout* layout, uint8_t* bytes) {
       .max_radius = layout->max_radius,
   };
   memcpy(header.magic, PACK_MAGIC, PACK_MAGIC_SIZE);
-  header.pack_digest = pack_digest(&header, sections);
-  header.header_check = pack_header_check(&header);
+  header.pack_digest = scree_rt_pack_digest(&header, sections);
+  header.header_check = scree_rt_pack_header_check(&header);
   memcpy(bytes, &header, sizeof header);
 }
 
@@ -244,7 +245,7 @@ static scree_result write(const rock_set* set, const scree_allocator* allocator,
   scree_result result = measure(set, allocator, layout);
   if (result != SCREE_OK) return result;
   /* Zeroed, so that the padding is. */
-  uint8_t* pack = allocate_zeroed(allocator, (size_t)layout->file_size, 1);
+  uint8_t* pack = scree_rt_allocate_zeroed(allocator, (size_t)layout->file_size, 1);
   if (pack == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
   memcpy(pack + layout->sections[PACK_RECIPE - 1].offset, set->recipe, (size_t)layout->sections[PACK_RECIPE - 1].size);
   write_tiles(set, (uint32_t*)(void*)(pack + layout->sections[PACK_TILES - 1].offset));
@@ -257,11 +258,11 @@ static scree_result write(const rock_set* set, const scree_allocator* allocator,
 }
 
 scree_result pack_write(const rock_set* set, const scree_allocator* given, uint8_t** bytes, size_t* size) {
-  const scree_allocator allocator = allocator_or_default(given);
+  const scree_allocator allocator = scree_rt_allocator_or_default(given);
   *bytes = NULL;
   pack_layout layout = {0};
   const scree_result result = write(set, &allocator, &layout, bytes);
-  release(&allocator, layout.blob_offsets, (size_t)set->rock_count * set->lod_count, sizeof *layout.blob_offsets);
+  scree_rt_release(&allocator, layout.blob_offsets, (size_t)set->rock_count * set->lod_count, sizeof *layout.blob_offsets);
   *size = result == SCREE_OK ? (size_t)layout.file_size : 0;
   return result;
 }

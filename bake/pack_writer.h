@@ -5,7 +5,7 @@
 #include "rock_set.h"
 
 /* Lays out and fills a pack. The same set gives the same bytes; nothing of it is kept.
- * bytes, size: the pack, owned by the caller: release(allocator, bytes, size, 1).
+ * bytes, size: the pack, owned by the caller: scree_rt_release(allocator, bytes, size, 1).
  * Returns SCREE_OK, OUT_OF_MEMORY, INVALID_ARGUMENT (a set that breaks a rule of the format: rocks out of order, a hull of fewer
  * than 4 or more than 64 vertices, a number that is not finite) or RANGE (more than the format can count). On failure nothing is
  * owned. */

@@ -25,8 +25,8 @@ scree_result rock_worker_create(const scree_recipe* recipe, const shared_blocks*
   if (result == SCREE_OK)
     result = noise_scratch_create(round_to_lanes(side) + LANES, (double)(side + LANES) / out->seeds->voxels,
                                   out->seeds->voxels * 0.5, allocator, &out->noise_scratch);
-  out->memory = allocate(allocator, (size_t)4 * (out->capacity + 2 * LANES), sizeof(float));
-  out->rows = allocate(allocator, (size_t)3 * side * side, sizeof *out->rows);
+  out->memory = scree_rt_allocate(allocator, (size_t)4 * (out->capacity + 2 * LANES), sizeof(float));
+  out->rows = scree_rt_allocate(allocator, (size_t)3 * side * side, sizeof *out->rows);
   if (result == SCREE_OK && (out->memory == NULL || out->rows == NULL)) result = SCREE_ERROR_OUT_OF_MEMORY;
   if (result != SCREE_OK) {
     rock_worker_destroy(out, allocator);
@@ -44,8 +44,8 @@ void rock_worker_destroy(rock_worker* worker, const scree_allocator* allocator) 
   const size_t side = worker->seeds == NULL ? 0 : 2 * worker->seeds->voxels + 2 * MARGIN;
   block_cache_destroy(&worker->blocks, allocator);
   noise_scratch_destroy(&worker->noise_scratch, allocator);
-  release(allocator, worker->memory, (size_t)4 * (worker->capacity + 2 * LANES), sizeof(float));
-  release(allocator, worker->rows, 3 * side * side, sizeof *worker->rows);
+  scree_rt_release(allocator, worker->memory, (size_t)4 * (worker->capacity + 2 * LANES), sizeof(float));
+  scree_rt_release(allocator, worker->rows, 3 * side * side, sizeof *worker->rows);
   memset(worker, 0, sizeof *worker);
 }
 

@@ -18,10 +18,10 @@ scree_result rock_mesher_create(const rock_worker* worker, uint32_t lattice_per_
   out->kernels = worker->kernels;
   out->lattice_per_voxel = lattice_per_voxel;
   out->capacity = worker->capacity;
-  out->coarse = allocate(allocator, out->capacity, sizeof *out->coarse);
-  out->coarse_rows = allocate(allocator, (size_t)3 * out->capacity / LANES, sizeof *out->coarse_rows);
-  out->density = allocate(allocator, out->capacity, sizeof *out->density);
-  out->blur = allocate(allocator, out->capacity, sizeof *out->blur);
+  out->coarse = scree_rt_allocate(allocator, out->capacity, sizeof *out->coarse);
+  out->coarse_rows = scree_rt_allocate(allocator, (size_t)3 * out->capacity / LANES, sizeof *out->coarse_rows);
+  out->density = scree_rt_allocate(allocator, out->capacity, sizeof *out->density);
+  out->blur = scree_rt_allocate(allocator, out->capacity, sizeof *out->blur);
   if (out->coarse == NULL || out->coarse_rows == NULL || out->density == NULL || out->blur == NULL) {
     rock_mesher_destroy(out);
     return SCREE_ERROR_OUT_OF_MEMORY;
@@ -30,23 +30,23 @@ scree_result rock_mesher_create(const rock_worker* worker, uint32_t lattice_per_
 }
 
 static void mesh_buffer_destroy(mesh_buffer* mesh, const scree_allocator* allocator) {
-  release(allocator, mesh->positions, mesh->vertex_capacity, sizeof *mesh->positions);
-  release(allocator, mesh->cells, mesh->vertex_capacity, sizeof *mesh->cells);
-  release(allocator, mesh->occlusion, mesh->vertex_capacity, 1);
-  release(allocator, mesh->indices, mesh->index_capacity, sizeof *mesh->indices);
-  release(allocator, mesh->vertex_of, mesh->voxel_capacity, sizeof *mesh->vertex_of);
+  scree_rt_release(allocator, mesh->positions, mesh->vertex_capacity, sizeof *mesh->positions);
+  scree_rt_release(allocator, mesh->cells, mesh->vertex_capacity, sizeof *mesh->cells);
+  scree_rt_release(allocator, mesh->occlusion, mesh->vertex_capacity, 1);
+  scree_rt_release(allocator, mesh->indices, mesh->index_capacity, sizeof *mesh->indices);
+  scree_rt_release(allocator, mesh->vertex_of, mesh->voxel_capacity, sizeof *mesh->vertex_of);
   memset(mesh, 0, sizeof *mesh);
 }
 
 void rock_mesher_destroy(rock_mesher* mesher) {
   if (mesher->allocator == NULL) return;
   for (uint32_t level = 0; level < ROCK_MAX_LODS; ++level) mesh_buffer_destroy(&mesher->meshes[level], mesher->allocator);
-  release(mesher->allocator, mesher->coarse, mesher->capacity, sizeof *mesher->coarse);
-  release(mesher->allocator, mesher->coarse_rows, (size_t)3 * mesher->capacity / LANES, sizeof *mesher->coarse_rows);
-  release(mesher->allocator, mesher->density, mesher->capacity, sizeof *mesher->density);
-  release(mesher->allocator, mesher->blur, mesher->capacity, sizeof *mesher->blur);
-  release(mesher->allocator, mesher->points, mesher->point_capacity, sizeof *mesher->points);
-  release(mesher->allocator, mesher->fans, mesher->fan_capacity, sizeof *mesher->fans);
+  scree_rt_release(mesher->allocator, mesher->coarse, mesher->capacity, sizeof *mesher->coarse);
+  scree_rt_release(mesher->allocator, mesher->coarse_rows, (size_t)3 * mesher->capacity / LANES, sizeof *mesher->coarse_rows);
+  scree_rt_release(mesher->allocator, mesher->density, mesher->capacity, sizeof *mesher->density);
+  scree_rt_release(mesher->allocator, mesher->blur, mesher->capacity, sizeof *mesher->blur);
+  scree_rt_release(mesher->allocator, mesher->points, mesher->point_capacity, sizeof *mesher->points);
+  scree_rt_release(mesher->allocator, mesher->fans, mesher->fan_capacity, sizeof *mesher->fans);
   memset(mesher, 0, sizeof *mesher);
 }
 
@@ -61,11 +61,11 @@ static scree_result mesh_buffer_reserve(mesh_buffer* mesh, uint32_t vertices, ui
   mesh->vertex_capacity = vertices;
   mesh->index_capacity = indices;
   mesh->voxel_capacity = voxels;
-  mesh->positions = allocate(allocator, vertices, sizeof *mesh->positions);
-  mesh->cells = allocate(allocator, vertices, sizeof *mesh->cells);
-  mesh->occlusion = allocate(allocator, vertices, 1);
-  mesh->indices = allocate(allocator, indices, sizeof *mesh->indices);
-  mesh->vertex_of = allocate(allocator, voxels, sizeof *mesh->vertex_of);
+  mesh->positions = scree_rt_allocate(allocator, vertices, sizeof *mesh->positions);
+  mesh->cells = scree_rt_allocate(allocator, vertices, sizeof *mesh->cells);
+  mesh->occlusion = scree_rt_allocate(allocator, vertices, 1);
+  mesh->indices = scree_rt_allocate(allocator, indices, sizeof *mesh->indices);
+  mesh->vertex_of = scree_rt_allocate(allocator, voxels, sizeof *mesh->vertex_of);
   if (mesh->positions == NULL || mesh->cells == NULL || mesh->occlusion == NULL || mesh->indices == NULL ||
       mesh->vertex_of == NULL) {
     mesh_buffer_destroy(mesh, allocator);
@@ -275,10 +275,10 @@ static scree_result mesh_level(rock_mesher* mesher, const rock_worker* worker, c
   shade(mesher, worker, fine, mesh);
   const uint32_t needed = lod_error_scratch(mesh);
   if (needed > mesher->fan_capacity) {
-    release(mesher->allocator, mesher->fans, mesher->fan_capacity, sizeof *mesher->fans);
+    scree_rt_release(mesher->allocator, mesher->fans, mesher->fan_capacity, sizeof *mesher->fans);
     mesher->fans = NULL;
     mesher->fan_capacity = 0;
-    mesher->fans = allocate(mesher->allocator, (size_t)needed * 2, sizeof *mesher->fans);
+    mesher->fans = scree_rt_allocate(mesher->allocator, (size_t)needed * 2, sizeof *mesher->fans);
     if (mesher->fans == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
     mesher->fan_capacity = needed * 2;
   }
@@ -300,9 +300,9 @@ scree_result rock_mesh(rock_mesher* mesher, const rock_worker* worker, uint32_t 
   mesher->errors[0] = 0;
   const uint32_t points = 3 * round_to_lanes(mesher->meshes[0].vertex_count);
   if (points > mesher->point_capacity) {
-    release(mesher->allocator, mesher->points, mesher->point_capacity, sizeof *mesher->points);
+    scree_rt_release(mesher->allocator, mesher->points, mesher->point_capacity, sizeof *mesher->points);
     mesher->point_capacity = 0;
-    mesher->points = allocate(mesher->allocator, (size_t)points * 2, sizeof *mesher->points);
+    mesher->points = scree_rt_allocate(mesher->allocator, (size_t)points * 2, sizeof *mesher->points);
     if (mesher->points == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
     mesher->point_capacity = points * 2;
   }

@@ -126,7 +126,7 @@ scree_result seed_set_create(const scree_recipe* recipe, const scree_allocator* 
   out->unit = (int32_t)(UNITS_PER_VOXEL * recipe->voxels_per_cell);
   const size_t slots = (size_t)out->n * out->n * out->n * 256;
   out->first_count = slots + 1;
-  out->first = allocate_zeroed(allocator, out->first_count, sizeof *out->first);
+  out->first = scree_rt_allocate_zeroed(allocator, out->first_count, sizeof *out->first);
   if (out->first == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
 
   const uint64_t world = hash_combine(recipe->random_seed, UINT64_C(0x5eed));
@@ -139,7 +139,7 @@ scree_result seed_set_create(const scree_recipe* recipe, const scree_allocator* 
     out->first[slot + 1] = out->first[slot] + count;
   }
   out->seed_count = out->first[slots];
-  out->seeds = allocate(allocator, out->seed_count, sizeof *out->seeds);
+  out->seeds = scree_rt_allocate(allocator, out->seed_count, sizeof *out->seeds);
   if (out->seeds == NULL) {
     seed_set_destroy(out, allocator);
     return SCREE_ERROR_OUT_OF_MEMORY;
@@ -150,8 +150,8 @@ scree_result seed_set_create(const scree_recipe* recipe, const scree_allocator* 
 }
 
 void seed_set_destroy(seed_set* set, const scree_allocator* allocator) {
-  release(allocator, set->seeds, set->seed_count, sizeof *set->seeds);
-  release(allocator, set->first, set->first_count, sizeof *set->first);
+  scree_rt_release(allocator, set->seeds, set->seed_count, sizeof *set->seeds);
+  scree_rt_release(allocator, set->first, set->first_count, sizeof *set->first);
   memset(set, 0, sizeof *set);
 }
 

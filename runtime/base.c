@@ -46,22 +46,22 @@ static void free_aligned(void* user, void* memory, size_t size) {
   free(memory);
 }
 
-scree_allocator allocator_or_default(const scree_allocator* given) {
+scree_allocator scree_rt_allocator_or_default(const scree_allocator* given) {
   if (given != NULL && given->alloc != NULL) return *given;
   return (scree_allocator){malloc_aligned, free_aligned, NULL};
 }
 
-void* allocate(const scree_allocator* allocator, size_t count, size_t size) {
+void* scree_rt_allocate(const scree_allocator* allocator, size_t count, size_t size) {
   if (size != 0 && count > SIZE_MAX / size) return NULL;
   return allocator->alloc(allocator->user, count * size);
 }
 
-void* allocate_zeroed(const scree_allocator* allocator, size_t count, size_t size) {
-  void* memory = allocate(allocator, count, size);
+void* scree_rt_allocate_zeroed(const scree_allocator* allocator, size_t count, size_t size) {
+  void* memory = scree_rt_allocate(allocator, count, size);
   if (memory != NULL) memset(memory, 0, count * size);
   return memory;
 }
 
-void release(const scree_allocator* allocator, void* memory, size_t count, size_t size) {
+void scree_rt_release(const scree_allocator* allocator, void* memory, size_t count, size_t size) {
   if (memory != NULL) allocator->release(allocator->user, memory, count * size);
 }

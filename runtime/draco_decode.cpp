@@ -91,7 +91,7 @@ scree_result decode(const uint8_t* blob, size_t blob_size, uint32_t vertex_count
   if (!indices_are_below(decoded, index_count, vertex_count)) return SCREE_ERROR_CORRUPT;
   if (!copy_vertices(*attribute, vertex_count, vertices)) return SCREE_ERROR_CORRUPT;
   const std::unique_ptr<char[]> scratch(new char[size_t{vertex_count} * MESH_NORMALS_SCRATCH]);
-  mesh_normals(vertices, vertex_count, decoded, triangle_count, scratch.get());
+  scree_rt_mesh_normals(vertices, vertex_count, decoded, triangle_count, scratch.get());
 
   if (index_size == sizeof(uint32_t)) {
     std::memcpy(indices, decoded, index_count * sizeof(uint32_t));
@@ -111,13 +111,13 @@ scree_result decode_lod(const scree_pack* pack, uint32_t asset, uint32_t lod, sc
   if (vertex_capacity < level.vertices || index_capacity / 3 < level.triangles) return SCREE_ERROR_CAPACITY;
   if ((vertices == nullptr && level.vertices > 0) || (indices == nullptr && level.triangles > 0))
     return SCREE_ERROR_INVALID_ARGUMENT;
-  return draco_decode_blob(level.blob, level.blob_size, level.vertices, level.triangles, vertices, indices, index_size);
+  return scree_rt_draco_decode_blob(level.blob, level.blob_size, level.vertices, level.triangles, vertices, indices, index_size);
 }
 
 }  // namespace
 
-scree_result draco_decode_blob(const uint8_t* blob, size_t blob_size, uint32_t vertex_count, uint32_t triangle_count,
-                               scree_vertex* vertices, void* indices, uint32_t index_size) {
+scree_result scree_rt_draco_decode_blob(const uint8_t* blob, size_t blob_size, uint32_t vertex_count, uint32_t triangle_count,
+                                        scree_vertex* vertices, void* indices, uint32_t index_size) {
   if (triangle_count == 0) return vertex_count == 0 ? SCREE_OK : SCREE_ERROR_CORRUPT;
   try {
     return decode(blob, blob_size, vertex_count, triangle_count, vertices, indices, index_size);

@@ -163,15 +163,15 @@ static void bound_block(scree_field* field, uint32_t b) {
   field->balls.radius[b] = (float)(sqrt(radius2) * 1.000001);
 }
 
-scree_result field_create_from_source(const scree_field_desc* desc, const field_source* source, const scree_allocator* given,
-                                      scree_field** out) {
+scree_result scree_rt_field_create_from_source(const scree_field_desc* desc, const field_source* source,
+                                               const scree_allocator* given, scree_field** out) {
   *out = NULL;
   scree_result result = check_desc(desc);
   if (result == SCREE_OK) result = check_source(source);
   if (result != SCREE_OK) return result;
 
-  scree_allocator allocator = allocator_or_default(given);
-  scree_field* field = allocate_zeroed(&allocator, 1, sizeof *field);
+  scree_allocator allocator = scree_rt_allocator_or_default(given);
+  scree_field* field = scree_rt_allocate_zeroed(&allocator, 1, sizeof *field);
   if (field == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
   field->allocator = allocator;
   field->seed = desc->seed;
@@ -184,9 +184,9 @@ scree_result field_create_from_source(const scree_field_desc* desc, const field_
     for (uint32_t bit = 0, kept = 0; bit < 8; ++bit)
       if (mask >> bit & 1) field->lane_order[mask] |= (uint64_t)bit << (8 * kept++);
   place_tiles(field, source);
-  field->rocks = allocate_zeroed(&allocator, field->rock_bytes, 1);
-  field->layouts = allocate_zeroed(&allocator, field->layout_bytes, 1);
-  field->mean_radius = allocate_zeroed(&allocator, field->mean_radius_count, sizeof *field->mean_radius);
+  field->rocks = scree_rt_allocate_zeroed(&allocator, field->rock_bytes, 1);
+  field->layouts = scree_rt_allocate_zeroed(&allocator, field->layout_bytes, 1);
+  field->mean_radius = scree_rt_allocate_zeroed(&allocator, field->mean_radius_count, sizeof *field->mean_radius);
   if (field->rocks == NULL || field->layouts == NULL || field->mean_radius == NULL) {
     scree_field_destroy(field);
     return SCREE_ERROR_OUT_OF_MEMORY;
@@ -200,10 +200,10 @@ scree_result field_create_from_source(const scree_field_desc* desc, const field_
 void scree_field_destroy(scree_field* field) {
   if (field == NULL) return;
   scree_allocator allocator = field->allocator;
-  release(&allocator, field->rocks, field->rock_bytes, 1);
-  release(&allocator, field->layouts, field->layout_bytes, 1);
-  release(&allocator, field->mean_radius, field->mean_radius_count, sizeof *field->mean_radius);
-  release(&allocator, field, 1, sizeof *field);
+  scree_rt_release(&allocator, field->rocks, field->rock_bytes, 1);
+  scree_rt_release(&allocator, field->layouts, field->layout_bytes, 1);
+  scree_rt_release(&allocator, field->mean_radius, field->mean_radius_count, sizeof *field->mean_radius);
+  scree_rt_release(&allocator, field, 1, sizeof *field);
 }
 
 uint32_t scree_world_hash(const scree_field* field, const scree_id* id) {

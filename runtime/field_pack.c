@@ -63,11 +63,11 @@ scree_result scree_field_create(const scree_field_desc* desc, const scree_alloca
       info.cell_count == UINT32_MAX)
     return SCREE_ERROR_CORRUPT;
 
-  scree_allocator allocator = allocator_or_default(given);
+  scree_allocator allocator = scree_rt_allocator_or_default(given);
   size_t tile_count = (size_t)256 * info.cells_per_cube * info.cells_per_cube * info.cells_per_cube;
-  pack_tables tables = {allocate(&allocator, tile_count, sizeof *tables.tile_cells),
-                        allocate(&allocator, (size_t)info.cell_count + 1, sizeof *tables.cell_first),
-                        allocate(&allocator, (size_t)info.asset_count + 1, sizeof *tables.rocks)};
+  pack_tables tables = {scree_rt_allocate(&allocator, tile_count, sizeof *tables.tile_cells),
+                        scree_rt_allocate(&allocator, (size_t)info.cell_count + 1, sizeof *tables.cell_first),
+                        scree_rt_allocate(&allocator, (size_t)info.asset_count + 1, sizeof *tables.rocks)};
   scree_result result = SCREE_ERROR_OUT_OF_MEMORY;
   if (tables.tile_cells != NULL && tables.cell_first != NULL && tables.rocks != NULL) {
     result = read_cells(desc->pack, &info, &tables);
@@ -75,10 +75,10 @@ scree_result scree_field_create(const scree_field_desc* desc, const scree_alloca
     if (result == SCREE_OK) result = read_tiles(desc->pack, &info, &tables);
     const field_source source = {info.cells_per_cube, info.cell_count,   info.asset_count,  info.max_rocks_per_cell,
                                  info.max_radius,     tables.tile_cells, tables.cell_first, tables.rocks};
-    if (result == SCREE_OK) result = field_create_from_source(desc, &source, given, out);
+    if (result == SCREE_OK) result = scree_rt_field_create_from_source(desc, &source, given, out);
   }
-  release(&allocator, tables.tile_cells, tile_count, sizeof *tables.tile_cells);
-  release(&allocator, tables.cell_first, (size_t)info.cell_count + 1, sizeof *tables.cell_first);
-  release(&allocator, tables.rocks, (size_t)info.asset_count + 1, sizeof *tables.rocks);
+  scree_rt_release(&allocator, tables.tile_cells, tile_count, sizeof *tables.tile_cells);
+  scree_rt_release(&allocator, tables.cell_first, (size_t)info.cell_count + 1, sizeof *tables.cell_first);
+  scree_rt_release(&allocator, tables.rocks, (size_t)info.asset_count + 1, sizeof *tables.rocks);
   return result;
 }

@@ -98,7 +98,7 @@ static inline tile_slots field_slots(const scree_field* field, const field_tile*
 }
 
 /* Makes a field from tables that may hold anything; checks them. Returns what scree_field_create returns. */
-scree_result field_create_from_source(const scree_field_desc* desc, const field_source* source, const scree_allocator* allocator,
-                                      scree_field** out);
+scree_result scree_rt_field_create_from_source(const scree_field_desc* desc, const field_source* source,
+                                               const scree_allocator* allocator, scree_field** out);
 
 #endif

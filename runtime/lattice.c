@@ -16,13 +16,13 @@ static uint32_t zone_size(uint32_t n, uint32_t mask, uint32_t* variants) {
   return places * *variants;
 }
 
-uint32_t lattice_cell_count(uint32_t n) {
+uint32_t scree_rt_lattice_cell_count(uint32_t n) {
   uint32_t total = 0, variants;
   for (uint32_t zone = 0; zone < 8; ++zone) total += zone_size(n, zone_masks[zone], &variants);
   return total;
 }
 
-uint32_t lattice_cell(uint32_t n, uint32_t code, uint32_t x, uint32_t y, uint32_t z) {
+uint32_t scree_rt_lattice_cell(uint32_t n, uint32_t code, uint32_t x, uint32_t y, uint32_t z) {
   const uint32_t place[3] = {x, y, z};
   uint32_t mask = (x > 0 ? 1u : 0u) | (y > 0 ? 2u : 0u) | (z > 0 ? 4u : 0u);
 
@@ -44,7 +44,7 @@ uint32_t lattice_cell(uint32_t n, uint32_t code, uint32_t x, uint32_t y, uint32_
   return first + index * variants + colours;
 }
 
-void lattice_cell_place(uint32_t n, uint32_t cell, uint32_t* code, uint32_t* x, uint32_t* y, uint32_t* z) {
+void scree_rt_lattice_cell_place(uint32_t n, uint32_t cell, uint32_t* code, uint32_t* x, uint32_t* y, uint32_t* z) {
   uint32_t place[3] = {0, 0, 0}, mask = 0, variants = 1;
   for (uint32_t zone = 0; zone < 8; ++zone) {
     mask = zone_masks[zone];

@@ -50,13 +50,13 @@ static inline uint32_t cube_code(uint64_t seed, int32_t x, int32_t y, int32_t z)
 }
 
 /* Number of unique cells for N cells a side: 2 + 12 (N-1) + 48 (N-1)^2 + 256 (N-1)^3. */
-uint32_t lattice_cell_count(uint32_t n);
+uint32_t scree_rt_lattice_cell_count(uint32_t n);
 
 /* The unique cell at (x, y, z), each 0..N-1, of the tile with this code. Cells are numbered zone by zone (corner, edges along x, y,
  * z, faces, inside), within a zone by place (x fastest) and then by the colours that decide. */
-uint32_t lattice_cell(uint32_t n, uint32_t code, uint32_t x, uint32_t y, uint32_t z);
+uint32_t scree_rt_lattice_cell(uint32_t n, uint32_t code, uint32_t x, uint32_t y, uint32_t z);
 
 /* The reverse: one tile code and place where a unique cell stands (the corners that do not matter get colour 0). */
-void lattice_cell_place(uint32_t n, uint32_t cell, uint32_t* code, uint32_t* x, uint32_t* y, uint32_t* z);
+void scree_rt_lattice_cell_place(uint32_t n, uint32_t cell, uint32_t* code, uint32_t* x, uint32_t* y, uint32_t* z);
 
 #endif

@@ -7,7 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-bool map_file(const char* path, mapped_file* out) {
+bool scree_rt_map_file(const char* path, mapped_file* out) {
   *out = (mapped_file){NULL, 0};
   /* Without O_NONBLOCK, opening a pipe nobody writes to would wait for ever. */
   int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
@@ -24,7 +24,7 @@ bool map_file(const char* path, mapped_file* out) {
   return mapped;
 }
 
-void unmap_file(mapped_file* file) {
+void scree_rt_unmap_file(mapped_file* file) {
   if (file->bytes != NULL) munmap((void*)(uintptr_t)file->bytes, file->size);
   *file = (mapped_file){NULL, 0};
 }

@@ -11,9 +11,9 @@ typedef struct mapped_file {
 } mapped_file;
 
 /* Returns false when the path is not a regular file that can be read and mapped; *out is then empty. */
-bool map_file(const char* path, mapped_file* out);
+bool scree_rt_map_file(const char* path, mapped_file* out);
 
 /* An empty mapped_file is allowed. */
-void unmap_file(mapped_file* file);
+void scree_rt_unmap_file(mapped_file* file);
 
 #endif

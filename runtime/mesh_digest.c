@@ -28,8 +28,8 @@ static bool less(const uint64_t a[3], const uint64_t b[3]) {
   return false;
 }
 
-uint64_t mesh_digest(const void* positions, size_t position_stride, const uint8_t* occlusion, size_t occlusion_stride,
-                     const uint32_t* indices, size_t triangle_count) {
+uint64_t scree_rt_mesh_digest(const void* positions, size_t position_stride, const uint8_t* occlusion, size_t occlusion_stride,
+                              const uint32_t* indices, size_t triangle_count) {
   const vertex_keys keys = {positions, position_stride, occlusion, occlusion_stride};
   uint64_t total[2] = {0, triangle_count};
   for (size_t triangle = 0; triangle < triangle_count; ++triangle) {
@@ -47,6 +47,7 @@ uint64_t mesh_digest(const void* positions, size_t position_stride, const uint8_
 uint64_t scree_mesh_digest(const scree_vertex* vertices, size_t vertex_count, const uint32_t* indices, size_t triangle_count) {
   for (size_t i = 0; i < 3 * triangle_count; ++i)
     if (indices[i] >= vertex_count) return 0;
-  if (triangle_count == 0) return mesh_digest(NULL, 0, NULL, 0, NULL, 0);
-  return mesh_digest(&vertices->position, sizeof *vertices, &vertices->occlusion, sizeof *vertices, indices, triangle_count);
+  if (triangle_count == 0) return scree_rt_mesh_digest(NULL, 0, NULL, 0, NULL, 0);
+  return scree_rt_mesh_digest(&vertices->position, sizeof *vertices, &vertices->occlusion, sizeof *vertices, indices,
+                              triangle_count);
 }

@@ -13,7 +13,7 @@
 
 /* Vertex i has its three int16 at (const char*)positions + i * position_stride and its occlusion at occlusion[i *
  * occlusion_stride]. Every index must be less than the number of vertices. */
-uint64_t mesh_digest(const void* positions, size_t position_stride, const uint8_t* occlusion, size_t occlusion_stride,
-                     const uint32_t* indices, size_t triangle_count);
+uint64_t scree_rt_mesh_digest(const void* positions, size_t position_stride, const uint8_t* occlusion, size_t occlusion_stride,
+                              const uint32_t* indices, size_t triangle_count);
 
 #endif

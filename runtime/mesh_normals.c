@@ -3,7 +3,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Sums of three numbers a vertex. Rocks of any usual size fit int32, which is twice as fast; the bound in mesh_normals() says when.
+/* Sums of three numbers a vertex. Rocks of any usual size fit int32, which is twice as fast; the bound in scree_rt_mesh_normals()
+ * says when.
  */
 #define DEFINE_SUM_NORMALS(name, integer)                                                                               \
   static void name(const scree_vertex* vertices, const uint32_t* indices, uint32_t triangle_count, integer(*sums)[3]) { \
@@ -54,7 +55,8 @@ static uint32_t extent(const scree_vertex* vertices, uint32_t vertex_count) {
   return (uint32_t)greatest;
 }
 
-void mesh_normals(scree_vertex* vertices, uint32_t vertex_count, const uint32_t* indices, uint32_t triangle_count, void* scratch) {
+void scree_rt_mesh_normals(scree_vertex* vertices, uint32_t vertex_count, const uint32_t* indices, uint32_t triangle_count,
+                           void* scratch) {
   const uint64_t reach = extent(vertices, vertex_count);
   /* A component of a cross product is at most 2 reach^2, and a vertex has at most all triangles around it. */
   if (2 * reach * reach < (UINT64_C(1) << 31) / ((uint64_t)triangle_count + 1)) {

@@ -13,7 +13,8 @@ extern "C" {
  * indices: 3 a triangle, each less than vertex_count.
  * scratch: vertex_count * MESH_NORMALS_SCRATCH bytes, aligned for int64_t. */
 #define MESH_NORMALS_SCRATCH 24
-void mesh_normals(scree_vertex* vertices, uint32_t vertex_count, const uint32_t* indices, uint32_t triangle_count, void* scratch);
+void scree_rt_mesh_normals(scree_vertex* vertices, uint32_t vertex_count, const uint32_t* indices, uint32_t triangle_count,
+                           void* scratch);
 
 #ifdef __cplusplus
 }

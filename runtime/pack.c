@@ -13,7 +13,7 @@ static scree_result read_section_table(scree_pack* pack) {
   const size_t table_size = header->section_count * sizeof(pack_section);
   if (pack->size - sizeof(pack_header) < table_size) return SCREE_ERROR_TRUNCATED;
   const pack_section* table = (const pack_section*)(const void*)(pack->bytes + sizeof(pack_header));
-  if (pack_bytes_digest(table, table_size) != header->table_digest) return SCREE_ERROR_DIGEST;
+  if (scree_rt_pack_bytes_digest(table, table_size) != header->table_digest) return SCREE_ERROR_DIGEST;
 
   uint64_t end = sizeof(pack_header) + table_size;
   for (uint32_t i = 0; i < header->section_count; ++i) {
@@ -23,8 +23,8 @@ static scree_result read_section_table(scree_pack* pack) {
     if (section->element_size == 0 || section->size % section->element_size != 0) return SCREE_ERROR_CORRUPT;
     end = begin + section->size;
     if (section->kind == 0 || section->kind > PACK_SECTION_KINDS) continue;
-    if (section->element_size != pack_element_size(section->kind, false) &&
-        section->element_size != pack_element_size(section->kind, true))
+    if (section->element_size != scree_rt_pack_element_size(section->kind, false) &&
+        section->element_size != scree_rt_pack_element_size(section->kind, true))
       return SCREE_ERROR_CORRUPT;
     if (pack->sections[section->kind - 1] != NULL) return SCREE_ERROR_CORRUPT;
     pack->sections[section->kind - 1] = section;
@@ -32,7 +32,7 @@ static scree_result read_section_table(scree_pack* pack) {
   if (end != pack->size) return SCREE_ERROR_CORRUPT;
   for (uint32_t kind = 0; kind < PACK_SECTION_KINDS; ++kind)
     if (pack->sections[kind] == NULL) return SCREE_ERROR_CORRUPT;
-  if (pack_digest(header, pack->sections) != header->pack_digest) return SCREE_ERROR_DIGEST;
+  if (scree_rt_pack_digest(header, pack->sections) != header->pack_digest) return SCREE_ERROR_DIGEST;
   return SCREE_OK;
 }
 
@@ -88,7 +88,7 @@ static scree_result open_bytes(scree_pack* pack) {
   if (pack->size < sizeof(pack_header)) return SCREE_ERROR_TRUNCATED;
   const pack_header* header = pack->header = (const pack_header*)(const void*)pack->bytes;
   if (header->format_version != PACK_FORMAT_VERSION) return SCREE_ERROR_VERSION;
-  if (header->header_check != pack_header_check(header)) return SCREE_ERROR_DIGEST;
+  if (header->header_check != scree_rt_pack_header_check(header)) return SCREE_ERROR_DIGEST;
   if (header->file_size > pack->size) return SCREE_ERROR_TRUNCATED;
   if (header->file_size < pack->size) return SCREE_ERROR_CORRUPT;
   scree_result result = read_section_table(pack);
@@ -96,15 +96,15 @@ static scree_result open_bytes(scree_pack* pack) {
 }
 
 static scree_result open_with(const void* bytes, size_t size, mapped_file file, const scree_allocator* given, scree_pack** out) {
-  scree_allocator allocator = allocator_or_default(given);
-  scree_pack* pack = allocate_zeroed(&allocator, 1, sizeof *pack);
+  scree_allocator allocator = scree_rt_allocator_or_default(given);
+  scree_pack* pack = scree_rt_allocate_zeroed(&allocator, 1, sizeof *pack);
   if (pack == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
   pack->allocator = allocator;
   pack->bytes = bytes;
   pack->size = size;
   scree_result result = open_bytes(pack);
   if (result != SCREE_OK) {
-    release(&allocator, pack, 1, sizeof *pack);
+    scree_rt_release(&allocator, pack, 1, sizeof *pack);
     return result;
   }
   pack->file = file;
@@ -124,17 +124,17 @@ scree_result scree_pack_open_file(const char* path, const scree_allocator* alloc
   *out = NULL;
   if (path == NULL) return SCREE_ERROR_INVALID_ARGUMENT;
   mapped_file file;
-  if (!map_file(path, &file)) return SCREE_ERROR_IO;
+  if (!scree_rt_map_file(path, &file)) return SCREE_ERROR_IO;
   scree_result result = open_with(file.bytes, file.size, file, allocator, out);
-  if (result != SCREE_OK) unmap_file(&file);
+  if (result != SCREE_OK) scree_rt_unmap_file(&file);
   return result;
 }
 
 void scree_pack_close(scree_pack* pack) {
   if (pack == NULL) return;
-  unmap_file(&pack->file);
+  scree_rt_unmap_file(&pack->file);
   scree_allocator allocator = pack->allocator;
-  release(&allocator, pack, 1, sizeof *pack);
+  scree_rt_release(&allocator, pack, 1, sizeof *pack);
 }
 
 void scree_pack_get_info(const scree_pack* pack, scree_pack_info* out) {
@@ -226,7 +226,7 @@ scree_result scree_pack_get_lod(const scree_pack* pack, uint32_t asset, uint32_t
   return SCREE_OK;
 }
 
-pack_contact pack_read_contact(const scree_pack* pack, uint64_t index) {
+pack_contact scree_rt_pack_read_contact(const scree_pack* pack, uint64_t index) {
   if (!pack->narrow_contacts) return ((const pack_contact*)(const void*)pack->contacts)[index];
   const pack_narrow_contact* from = (const pack_narrow_contact*)(const void*)pack->contacts + index;
   return (pack_contact){{from->position[0], from->position[1], from->position[2]}, from->neighbour, from->seed};
@@ -242,7 +242,7 @@ scree_result scree_pack_get_contacts(const scree_pack* pack, uint32_t asset, scr
   *count = record->contact_count;
   const uint32_t copied = *count < capacity ? *count : capacity;
   for (uint32_t i = 0; i < copied; ++i) {
-    const pack_contact from = pack_read_contact(pack, record->first_contact + (uint64_t)i);
+    const pack_contact from = scree_rt_pack_read_contact(pack, record->first_contact + (uint64_t)i);
     if (from.neighbour >= PACK_NEIGHBOURS || from.seed >= pack->header->max_rocks_per_cell) return SCREE_ERROR_CORRUPT;
     contacts[i] = (scree_contact){
         .position = {from.position[0], from.position[1], from.position[2]},

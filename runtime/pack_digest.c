@@ -5,7 +5,7 @@
 #include <string.h>
 #include <xxhash.h>
 
-uint32_t pack_element_size(uint32_t kind, bool narrow) {
+uint32_t scree_rt_pack_element_size(uint32_t kind, bool narrow) {
   switch (kind) {
     case PACK_RECIPE: return 1;
     case PACK_TILES: return 4;
@@ -20,15 +20,15 @@ uint32_t pack_element_size(uint32_t kind, bool narrow) {
   }
 }
 
-uint64_t pack_bytes_digest(const void* bytes, size_t size) {
+uint64_t scree_rt_pack_bytes_digest(const void* bytes, size_t size) {
   return XXH3_64bits(bytes, size);
 }
 
-uint32_t pack_header_check(const pack_header* header) {
+uint32_t scree_rt_pack_header_check(const pack_header* header) {
   return (uint32_t)XXH3_64bits(header, offsetof(pack_header, header_check));
 }
 
-uint64_t pack_digest(const pack_header* header, const pack_section* sections[PACK_SECTION_KINDS]) {
+uint64_t scree_rt_pack_digest(const pack_header* header, const pack_section* sections[PACK_SECTION_KINDS]) {
   enum { NUMBERS = offsetof(pack_header, header_check) - offsetof(pack_header, cells_per_cube) };
   uint8_t canonical[NUMBERS + PACK_CANONICAL_KINDS * sizeof(uint64_t)];
   memcpy(canonical, &header->cells_per_cube, NUMBERS);

@@ -58,7 +58,7 @@ typedef struct pack_header {
   uint32_t section_count;
   uint64_t file_size;
   uint64_t table_digest; /* XXH3-64 of the section table */
-  uint64_t pack_digest;  /* see pack_digest() */
+  uint64_t pack_digest;  /* see scree_rt_pack_digest() */
   uint32_t cells_per_cube;
   uint32_t lattice_per_cell;
   uint32_t lod_count;
@@ -124,16 +124,16 @@ PACK_STATIC_ASSERT(narrow_contact, sizeof(pack_narrow_contact) == 5);
 PACK_STATIC_ASSERT(blob, sizeof(pack_blob) == 12);
 
 /* Bytes of one element of a kind, 0 for an unknown kind. narrow: of contacts and hulls with coordinates of one byte. */
-uint32_t pack_element_size(uint32_t kind, bool narrow);
+uint32_t scree_rt_pack_element_size(uint32_t kind, bool narrow);
 
 /* XXH3-64 of `size` bytes, seed 0. */
-uint64_t pack_bytes_digest(const void* bytes, size_t size);
+uint64_t scree_rt_pack_bytes_digest(const void* bytes, size_t size);
 
 /* What header_check must be. */
-uint32_t pack_header_check(const pack_header* header);
+uint32_t scree_rt_pack_header_check(const pack_header* header);
 
 /* What pack_digest must be: XXH3-64 of the five numbers at bytes 40..59 of the header followed by the digests of the sections of
  * kinds 1..7 in that order. sections[kind - 1] is the entry of each kind. */
-uint64_t pack_digest(const pack_header* header, const pack_section* sections[PACK_SECTION_KINDS]);
+uint64_t scree_rt_pack_digest(const pack_header* header, const pack_section* sections[PACK_SECTION_KINDS]);
 
 #endif

@@ -22,7 +22,7 @@ struct scree_pack {
   const uint32_t* cells;
   const pack_asset* assets;
   const pack_lod* lods;
-  const uint8_t* contacts; /* of either width, see pack_read_contact() */
+  const uint8_t* contacts; /* of either width, see scree_rt_pack_read_contact() */
   const uint8_t* hulls;
   const pack_blob* blob_index;
   const uint8_t* blobs;
@@ -36,6 +36,6 @@ struct scree_pack {
 };
 
 /* The contact at an index below contact_count, as it is stored: neighbour and seed are not checked. */
-pack_contact pack_read_contact(const scree_pack* pack, uint64_t index);
+pack_contact scree_rt_pack_read_contact(const scree_pack* pack, uint64_t index);
 
 #endif

@@ -15,7 +15,8 @@ static scree_result verify_bytes(const scree_pack* pack) {
   for (uint32_t i = 0; i < pack->header->section_count; ++i) {
     const pack_section* section = &table[i];
     if (!all_zero(pack->bytes + end, (size_t)(section->offset - end))) return SCREE_ERROR_DIGEST;
-    if (pack_bytes_digest(pack->bytes + section->offset, (size_t)section->size) != section->digest) return SCREE_ERROR_DIGEST;
+    if (scree_rt_pack_bytes_digest(pack->bytes + section->offset, (size_t)section->size) != section->digest)
+      return SCREE_ERROR_DIGEST;
     end = section->offset + section->size;
   }
   return SCREE_OK;
@@ -44,7 +45,7 @@ static scree_result verify_asset(const scree_pack* pack, uint32_t asset) {
     result = scree_pack_get_lod(pack, asset, lod, &level);
   }
   for (uint32_t i = 0; result == SCREE_OK && i < record.contact_count; ++i) {
-    const pack_contact contact = pack_read_contact(pack, pack->assets[asset].first_contact + (uint64_t)i);
+    const pack_contact contact = scree_rt_pack_read_contact(pack, pack->assets[asset].first_contact + (uint64_t)i);
     if (contact.neighbour >= PACK_NEIGHBOURS || contact.seed >= pack->header->max_rocks_per_cell) result = SCREE_ERROR_CORRUPT;
   }
   return result;

@@ -46,7 +46,7 @@ static bool find_cells(const scree_query_desc* d, query_run* run) {
   const scree_field* field = d->field;
   double h = field->cell_size, low[3], high[3];
   double level = (double)run->offset_max > 0 ? (double)run->offset_max : 0;
-  if (!support_level_bounds(d->support, level, low, high)) return false;
+  if (!scree_rt_support_level_bounds(d->support, level, low, high)) return false;
   bool everywhere = is_everywhere(d);
   for (int a = 0; a < 3; ++a) {
     run->cell_low[a] = first_cell_from(low[a] - run->test_base[a] - (double)field->centroid_max[a], h) - 1;
@@ -87,12 +87,12 @@ static float rounding_margin(const query_run* run) {
 static void run_best(query_run* run, query_kernel kernel) {
 #ifdef SCREE_WIDE_KERNELS
   if (kernel == QUERY_KERNEL_BEST && __builtin_cpu_supports("avx2")) {
-    query_run_avx2(run);
+    scree_rt_query_run_avx2(run);
     return;
   }
 #endif
   (void)kernel;
-  query_run_plain(run);
+  scree_rt_query_run_plain(run);
 }
 
 static scree_result execute(const scree_query_desc* d, query_kernel kernel, scree_instance* instances, scree_id* ids,
@@ -128,22 +128,22 @@ static scree_result execute(const scree_query_desc* d, query_kernel kernel, scre
   return SCREE_OK;
 }
 
-scree_result query_count(const scree_query_desc* desc, query_kernel kernel, uint64_t* count) {
+scree_result scree_rt_query_count(const scree_query_desc* desc, query_kernel kernel, uint64_t* count) {
   return execute(desc, kernel, NULL, NULL, 0, count);
 }
 
-scree_result query_fill(const scree_query_desc* desc, query_kernel kernel, scree_instance* instances, scree_id* ids,
-                        uint64_t capacity, uint64_t* count) {
+scree_result scree_rt_query_fill(const scree_query_desc* desc, query_kernel kernel, scree_instance* instances, scree_id* ids,
+                                 uint64_t capacity, uint64_t* count) {
   if (instances == NULL && capacity > 0) return SCREE_ERROR_INVALID_ARGUMENT;
   scree_result result = execute(desc, kernel, instances, ids, capacity, count);
   return result == SCREE_OK && *count > capacity ? SCREE_ERROR_CAPACITY : result;
 }
 
 scree_result scree_query_count(const scree_query_desc* desc, uint64_t* count) {
-  return query_count(desc, QUERY_KERNEL_BEST, count);
+  return scree_rt_query_count(desc, QUERY_KERNEL_BEST, count);
 }
 
 scree_result scree_query_fill(const scree_query_desc* desc, scree_instance* instances, scree_id* ids, uint64_t capacity,
                               uint64_t* count) {
-  return query_fill(desc, QUERY_KERNEL_BEST, instances, ids, capacity, count);
+  return scree_rt_query_fill(desc, QUERY_KERNEL_BEST, instances, ids, capacity, count);
 }

@@ -27,13 +27,13 @@ typedef struct query_run {
 typedef enum query_kernel { QUERY_KERNEL_BEST = 0, QUERY_KERNEL_PLAIN = 1 } query_kernel;
 
 /* scree_query_count and scree_query_fill with a chosen kernel. */
-scree_result query_count(const scree_query_desc* desc, query_kernel kernel, uint64_t* count);
-scree_result query_fill(const scree_query_desc* desc, query_kernel kernel, scree_instance* instances, scree_id* ids,
-                        uint64_t capacity, uint64_t* count);
+scree_result scree_rt_query_count(const scree_query_desc* desc, query_kernel kernel, uint64_t* count);
+scree_result scree_rt_query_fill(const scree_query_desc* desc, query_kernel kernel, scree_instance* instances, scree_id* ids,
+                                 uint64_t capacity, uint64_t* count);
 
-void query_run_plain(query_run* run);
+void scree_rt_query_run_plain(query_run* run);
 #ifdef SCREE_WIDE_KERNELS
-void query_run_avx2(query_run* run);
+void scree_rt_query_run_avx2(query_run* run);
 #endif
 
 #endif

@@ -311,12 +311,12 @@ static scree_result measure(const scree_support_desc* desc, uint32_t* ops, uint3
     }
     ops[index] = count < UINT32_MAX ? (uint32_t)count : UINT32_MAX;
     if (nesting[index] > SUPPORT_MAX_NESTING || ops[index] > SUPPORT_MAX_OPS) {
-      text_clear(error);
-      text_add(error, "shape ");
-      text_add_count(error, index);
-      text_add(error, ops[index] > SUPPORT_MAX_OPS ? ": the tree below has more than " : ": groups are nested more than ");
-      text_add_count(error, ops[index] > SUPPORT_MAX_OPS ? SUPPORT_MAX_OPS / 2 : SUPPORT_MAX_NESTING);
-      text_add(error, ops[index] > SUPPORT_MAX_OPS ? " shapes (a shape used twice counts twice)" : " deep");
+      scree_rt_text_clear(error);
+      scree_rt_text_add(error, "shape ");
+      scree_rt_text_add_count(error, index);
+      scree_rt_text_add(error, ops[index] > SUPPORT_MAX_OPS ? ": the tree below has more than " : ": groups are nested more than ");
+      scree_rt_text_add_count(error, ops[index] > SUPPORT_MAX_OPS ? SUPPORT_MAX_OPS / 2 : SUPPORT_MAX_NESTING);
+      scree_rt_text_add(error, ops[index] > SUPPORT_MAX_OPS ? " shapes (a shape used twice counts twice)" : " deep");
       return SCREE_ERROR_RANGE;
     }
   }
@@ -331,24 +331,24 @@ static scree_result build_parts(scree_support* support, const scree_support_desc
     scree_shape_kind kind = desc->shapes[i].kind;
     part[i] = kind == SCREE_SHAPE_HEIGHTFIELD ? heights++ : kind == SCREE_SHAPE_MESH ? meshes++ : 0;
   }
-  support->heights = heights > 0 ? allocate_zeroed(allocator, heights, sizeof(support_height)) : NULL;
+  support->heights = heights > 0 ? scree_rt_allocate_zeroed(allocator, heights, sizeof(support_height)) : NULL;
   if (heights > 0 && support->heights == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
   support->height_count = heights;
-  support->meshes = meshes > 0 ? allocate_zeroed(allocator, meshes, sizeof(support_mesh)) : NULL;
+  support->meshes = meshes > 0 ? scree_rt_allocate_zeroed(allocator, meshes, sizeof(support_mesh)) : NULL;
   if (meshes > 0 && support->meshes == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
   support->mesh_count = meshes;
 
   for (uint32_t i = 0; i < desc->shape_count; ++i) { /* all checks come before the slow part */
     if (desc->shapes[i].kind != SCREE_SHAPE_MESH) continue;
-    scree_result result = support_mesh_check(&desc->shapes[i], i, allocator, error);
+    scree_result result = scree_rt_support_mesh_check(&desc->shapes[i], i, allocator, error);
     if (result != SCREE_OK) return result;
   }
   for (uint32_t i = 0; i < desc->shape_count; ++i) {
     scree_result result = SCREE_OK;
     if (desc->shapes[i].kind == SCREE_SHAPE_HEIGHTFIELD)
-      result = support_height_create(&support->heights[part[i]], &desc->shapes[i], allocator);
+      result = scree_rt_support_height_create(&support->heights[part[i]], &desc->shapes[i], allocator);
     if (desc->shapes[i].kind == SCREE_SHAPE_MESH)
-      result = support_mesh_create(&support->meshes[part[i]], &desc->shapes[i], &desc->jobs, allocator);
+      result = scree_rt_support_mesh_create(&support->meshes[part[i]], &desc->shapes[i], &desc->jobs, allocator);
     if (result != SCREE_OK) return result;
   }
   return SCREE_OK;
@@ -360,8 +360,8 @@ static scree_result build(scree_support* support, const scree_support_desc* desc
   if (result != SCREE_OK) return result;
 
   support->op_capacity = ops[0] + 1;
-  support->ops = allocate_zeroed(&support->allocator, support->op_capacity, sizeof(support_op));
-  support->program = allocate_zeroed(&support->allocator, support->op_capacity, sizeof(uint16_t));
+  support->ops = scree_rt_allocate_zeroed(&support->allocator, support->op_capacity, sizeof(support_op));
+  support->program = scree_rt_allocate_zeroed(&support->allocator, support->op_capacity, sizeof(uint16_t));
   if (support->ops == NULL || support->program == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
   result = build_parts(support, desc, part, error);
   if (result != SCREE_OK) return result;
@@ -371,46 +371,46 @@ static scree_result build(scree_support* support, const scree_support_desc* desc
   const context any = {false, 0, 0, 0};
   compile_shape(&c, 0, &root, &any);
   if (c.too_far) {
-    text_clear(error);
-    text_add(error, "shape ");
-    text_add_count(error, c.far_shape);
-    text_add(error, ": lies more than 1e9 metres from the support's origin, or is as large");
+    scree_rt_text_clear(error);
+    scree_rt_text_add(error, "shape ");
+    scree_rt_text_add_count(error, c.far_shape);
+    scree_rt_text_add(error, ": lies more than 1e9 metres from the support's origin, or is as large");
     return SCREE_ERROR_RANGE;
   }
   support->ops[support->op_count].kind = OP_NEGATE;
   for (uint32_t i = 0; i < support->op_count; ++i) support->program[i] = (uint16_t)i;
-  support_level_bounds(support, 0, support->min, support->max);
+  scree_rt_support_level_bounds(support, 0, support->min, support->max);
   return SCREE_OK;
 }
 
 scree_result scree_support_create(const scree_support_desc* desc, const scree_allocator* given, scree_support** out,
                                   scree_error* error) {
-  text_clear(error);
+  scree_rt_text_clear(error);
   if (out != NULL) *out = NULL;
   if (desc == NULL || out == NULL) {
-    text_add(error, desc == NULL ? "desc is NULL" : "out is NULL");
+    scree_rt_text_add(error, desc == NULL ? "desc is NULL" : "out is NULL");
     return SCREE_ERROR_INVALID_ARGUMENT;
   }
-  scree_result result = support_check(desc, error);
+  scree_result result = scree_rt_support_check(desc, error);
   if (result != SCREE_OK) return result;
 
-  scree_allocator allocator = allocator_or_default(given);
-  scree_support* support = allocate_zeroed(&allocator, 1, sizeof *support);
-  uint32_t* scratch = allocate_zeroed(&allocator, desc->shape_count, 2 * sizeof(uint32_t));
+  scree_allocator allocator = scree_rt_allocator_or_default(given);
+  scree_support* support = scree_rt_allocate_zeroed(&allocator, 1, sizeof *support);
+  uint32_t* scratch = scree_rt_allocate_zeroed(&allocator, desc->shape_count, 2 * sizeof(uint32_t));
   result = SCREE_ERROR_OUT_OF_MEMORY;
   if (support != NULL) {
     support->allocator = allocator;
     memcpy(support->origin, desc->origin, sizeof support->origin);
     if (scratch != NULL) result = build(support, desc, scratch, error);
   }
-  release(&allocator, scratch, desc->shape_count, 2 * sizeof(uint32_t));
+  scree_rt_release(&allocator, scratch, desc->shape_count, 2 * sizeof(uint32_t));
   if (result == SCREE_OK) {
     *out = support;
     return SCREE_OK;
   }
   if (result == SCREE_ERROR_OUT_OF_MEMORY) {
-    text_clear(error);
-    text_add(error, "out of memory");
+    scree_rt_text_clear(error);
+    scree_rt_text_add(error, "out of memory");
   }
   scree_support_destroy(support);
   return result;
@@ -419,16 +419,16 @@ scree_result scree_support_create(const scree_support_desc* desc, const scree_al
 void scree_support_destroy(scree_support* support) {
   if (support == NULL) return;
   scree_allocator allocator = support->allocator;
-  for (uint32_t i = 0; i < support->height_count; ++i) support_height_destroy(&support->heights[i], &allocator);
-  for (uint32_t i = 0; i < support->mesh_count; ++i) support_mesh_destroy(&support->meshes[i], &allocator);
-  release(&allocator, support->heights, support->height_count, sizeof(support_height));
-  release(&allocator, support->meshes, support->mesh_count, sizeof(support_mesh));
-  release(&allocator, support->ops, support->op_capacity, sizeof(support_op));
-  release(&allocator, support->program, support->op_capacity, sizeof(uint16_t));
-  release(&allocator, support, 1, sizeof *support);
+  for (uint32_t i = 0; i < support->height_count; ++i) scree_rt_support_height_destroy(&support->heights[i], &allocator);
+  for (uint32_t i = 0; i < support->mesh_count; ++i) scree_rt_support_mesh_destroy(&support->meshes[i], &allocator);
+  scree_rt_release(&allocator, support->heights, support->height_count, sizeof(support_height));
+  scree_rt_release(&allocator, support->meshes, support->mesh_count, sizeof(support_mesh));
+  scree_rt_release(&allocator, support->ops, support->op_capacity, sizeof(support_op));
+  scree_rt_release(&allocator, support->program, support->op_capacity, sizeof(uint16_t));
+  scree_rt_release(&allocator, support, 1, sizeof *support);
 }
 
-bool support_level_bounds(const scree_support* support, double level, double min[3], double max[3]) {
+bool scree_rt_support_level_bounds(const scree_support* support, double level, double min[3], double max[3]) {
   double low[SUPPORT_MAX_STACK][3], high[SUPPORT_MAX_STACK][3];
   uint32_t top = 0;
   for (uint32_t i = 0; i < support->op_count; ++i) {
@@ -479,7 +479,7 @@ void scree_support_distance(const scree_support* support, const float* x, const 
       py[i] = y[from];
       pz[i] = z[from];
     }
-    support_evaluate_plain(support->ops, support->program, support->op_count, px, py, pz, d, n);
+    scree_rt_support_evaluate_plain(support->ops, support->program, support->op_count, px, py, pz, d, n);
     memcpy(distance + first, d, n * sizeof *d);
   }
 }

@@ -12,32 +12,32 @@ typedef struct checker {
 } checker;
 
 static void say_field(checker* c, const char* field, int index) {
-  text_clear(c->error);
-  text_add(c->error, "shape ");
-  text_add_count(c->error, c->shape);
-  text_add(c->error, ": ");
-  text_add(c->error, field);
+  scree_rt_text_clear(c->error);
+  scree_rt_text_add(c->error, "shape ");
+  scree_rt_text_add_count(c->error, c->shape);
+  scree_rt_text_add(c->error, ": ");
+  scree_rt_text_add(c->error, field);
   if (index >= 0) {
-    text_add(c->error, "[");
-    text_add_count(c->error, (uint64_t)index);
-    text_add(c->error, "]");
+    scree_rt_text_add(c->error, "[");
+    scree_rt_text_add_count(c->error, (uint64_t)index);
+    scree_rt_text_add(c->error, "]");
   }
 }
 
 static scree_result refuse(checker* c, scree_result result, const char* field, const char* why) {
   say_field(c, field, -1);
-  text_add(c->error, " ");
-  text_add(c->error, why);
+  scree_rt_text_add(c->error, " ");
+  scree_rt_text_add(c->error, why);
   return result;
 }
 
 static scree_result number(checker* c, const char* field, int index, double value, bool fits, const char* expected) {
   if (isfinite(value) && fabs(value) <= LARGEST && fits) return SCREE_OK;
   say_field(c, field, index);
-  text_add(c->error, " is ");
-  text_add_number(c->error, value);
-  text_add(c->error, ", expected ");
-  text_add(c->error, isfinite(value) && fits ? "at most 1e9 metres" : expected);
+  scree_rt_text_add(c->error, " is ");
+  scree_rt_text_add_number(c->error, value);
+  scree_rt_text_add(c->error, ", expected ");
+  scree_rt_text_add(c->error, isfinite(value) && fits ? "at most 1e9 metres" : expected);
   return SCREE_ERROR_RANGE;
 }
 
@@ -116,11 +116,11 @@ static scree_result check_mesh(checker* c, const scree_shape* s) {
   for (size_t i = 0; i < (size_t)s->mesh.triangle_count * 3; ++i)
     if (s->mesh.indices[i] >= s->mesh.vertex_count) {
       say_field(c, "mesh.indices", (int)i);
-      text_add(c->error, " is ");
-      text_add_count(c->error, s->mesh.indices[i]);
-      text_add(c->error, ", but there are only ");
-      text_add_count(c->error, s->mesh.vertex_count);
-      text_add(c->error, " vertices");
+      scree_rt_text_add(c->error, " is ");
+      scree_rt_text_add_count(c->error, s->mesh.indices[i]);
+      scree_rt_text_add(c->error, ", but there are only ");
+      scree_rt_text_add_count(c->error, s->mesh.vertex_count);
+      scree_rt_text_add(c->error, " vertices");
       return SCREE_ERROR_RANGE;
     }
   return SCREE_OK;
@@ -146,12 +146,12 @@ static scree_result check_group(checker* c, const scree_shape* s, uint32_t shape
     uint32_t child = s->group.children[i];
     if (child > c->shape && child < shape_count) continue;
     say_field(c, "group.children", (int)i);
-    text_add(c->error, " is ");
-    text_add_count(c->error, child);
-    text_add(c->error, child < shape_count ? ", expected a later shape than the group itself" : ", but there are only ");
+    scree_rt_text_add(c->error, " is ");
+    scree_rt_text_add_count(c->error, child);
+    scree_rt_text_add(c->error, child < shape_count ? ", expected a later shape than the group itself" : ", but there are only ");
     if (child >= shape_count) {
-      text_add_count(c->error, shape_count);
-      text_add(c->error, " shapes");
+      scree_rt_text_add_count(c->error, shape_count);
+      scree_rt_text_add(c->error, " shapes");
     }
     return SCREE_ERROR_INVALID_ARGUMENT;
   }
@@ -162,9 +162,9 @@ static scree_result check_group(checker* c, const scree_shape* s, uint32_t shape
 static scree_result check_shape(checker* c, const scree_shape* s, uint32_t shape_count) {
   if ((uint32_t)s->kind > SCREE_SHAPE_SMOOTH_UNION) {
     say_field(c, "kind", -1);
-    text_add(c->error, " ");
-    text_add_count(c->error, (uint32_t)s->kind);
-    text_add(c->error, " is not known");
+    scree_rt_text_add(c->error, " ");
+    scree_rt_text_add_count(c->error, (uint32_t)s->kind);
+    scree_rt_text_add(c->error, " is not known");
     return SCREE_ERROR_INVALID_ARGUMENT;
   }
   TRY(check_transform(c, &s->transform));
@@ -196,22 +196,22 @@ static scree_result check_shape(checker* c, const scree_shape* s, uint32_t shape
   }
 }
 
-scree_result support_check(const scree_support_desc* desc, scree_error* error) {
+scree_result scree_rt_support_check(const scree_support_desc* desc, scree_error* error) {
   checker c = {error, 0};
-  text_clear(error);
+  scree_rt_text_clear(error);
   if (desc->shapes == NULL || desc->shape_count == 0) {
-    text_add(error, "a support needs at least one shape");
+    scree_rt_text_add(error, "a support needs at least one shape");
     return SCREE_ERROR_INVALID_ARGUMENT;
   }
   if (desc->jobs.parallel_for != NULL && desc->jobs.worker_count == 0) {
-    text_add(error, "jobs.worker_count is 0, expected 1 or more");
+    scree_rt_text_add(error, "jobs.worker_count is 0, expected 1 or more");
     return SCREE_ERROR_INVALID_ARGUMENT;
   }
   for (int a = 0; a < 3; ++a)
     if (!isfinite(desc->origin[a])) {
-      text_add(error, "origin is ");
-      text_add_number(error, desc->origin[a]);
-      text_add(error, ", expected a finite number");
+      scree_rt_text_add(error, "origin is ");
+      scree_rt_text_add_number(error, desc->origin[a]);
+      scree_rt_text_add(error, ", expected a finite number");
       return SCREE_ERROR_RANGE;
     }
   for (c.shape = 0; c.shape < desc->shape_count; ++c.shape) TRY(check_shape(&c, &desc->shapes[c.shape], desc->shape_count));

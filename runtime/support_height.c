@@ -25,14 +25,14 @@ static double steepest_slope2(const support_height* g, double spacing) {
   return steepest / square(spacing);
 }
 
-scree_result support_height_create(support_height* grid, const scree_shape* shape, const scree_allocator* allocator) {
+scree_result scree_rt_support_height_create(support_height* grid, const scree_shape* shape, const scree_allocator* allocator) {
   uint32_t width = shape->heightfield.width, depth = shape->heightfield.depth;
   size_t count = (size_t)width * depth;
   double spacing = (double)shape->heightfield.spacing;
   double above = (double)shape->heightfield.above, below = (double)shape->heightfield.below;
 
   memset(grid, 0, sizeof *grid);
-  grid->heights = allocate(allocator, count, sizeof(float));
+  grid->heights = scree_rt_allocate(allocator, count, sizeof(float));
   if (grid->heights == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
   memcpy(grid->heights, shape->heightfield.heights, count * sizeof(float));
 
@@ -54,7 +54,7 @@ scree_result support_height_create(support_height* grid, const scree_shape* shap
   return SCREE_OK;
 }
 
-void support_height_destroy(support_height* grid, const scree_allocator* allocator) {
-  release(allocator, grid->heights, (size_t)grid->width * grid->depth, sizeof(float));
+void scree_rt_support_height_destroy(support_height* grid, const scree_allocator* allocator) {
+  scree_rt_release(allocator, grid->heights, (size_t)grid->width * grid->depth, sizeof(float));
   grid->heights = NULL;
 }

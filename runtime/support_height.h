@@ -17,7 +17,7 @@ typedef struct support_height {
 } support_height;
 
 /* Copies and measures; desc was checked. Returns SCREE_OK or OUT_OF_MEMORY, then with nothing left to release. */
-scree_result support_height_create(support_height* grid, const scree_shape* shape, const scree_allocator* allocator);
-void support_height_destroy(support_height* grid, const scree_allocator* allocator);
+scree_result scree_rt_support_height_create(support_height* grid, const scree_shape* shape, const scree_allocator* allocator);
+void scree_rt_support_height_destroy(support_height* grid, const scree_allocator* allocator);
 
 #endif

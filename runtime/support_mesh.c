@@ -351,45 +351,45 @@ static void fill_grid(builder* b, support_mesh* grid, float* brick_scratch, cons
   }
 }
 
-scree_result support_mesh_create(support_mesh* grid, const scree_shape* shape, const scree_jobs* jobs,
-                                 const scree_allocator* allocator) {
+scree_result scree_rt_support_mesh_create(support_mesh* grid, const scree_shape* shape, const scree_jobs* jobs,
+                                          const scree_allocator* allocator) {
   memset(grid, 0, sizeof *grid);
   place_grid(grid, shape);
   size_t count = (size_t)grid->size[0] * grid->size[1] * grid->size[2], bytes = count / 8 + 1;
   builder b = {.indices = shape->mesh.indices, .triangle_count = shape->mesh.triangle_count};
   memcpy(b.size, grid->size, sizeof b.size);
-  b.vertices = allocate(allocator, shape->mesh.vertex_count, sizeof *b.vertices);
-  b.distance = allocate(allocator, count, sizeof *b.distance);
-  b.nearest = allocate(allocator, count, sizeof *b.nearest);
-  b.inside = allocate_zeroed(allocator, bytes, 1);
-  b.changed = allocate_zeroed(allocator, count, 1);
+  b.vertices = scree_rt_allocate(allocator, shape->mesh.vertex_count, sizeof *b.vertices);
+  b.distance = scree_rt_allocate(allocator, count, sizeof *b.distance);
+  b.nearest = scree_rt_allocate(allocator, count, sizeof *b.nearest);
+  b.inside = scree_rt_allocate_zeroed(allocator, bytes, 1);
+  b.changed = scree_rt_allocate_zeroed(allocator, count, 1);
   size_t bricks = 1;
   for (int a = 0; a < 3; ++a) {
     grid->bricks[a] = (grid->size[a] - 1 + MESH_BRICK - 1) / MESH_BRICK;
     bricks *= grid->bricks[a];
   }
-  float* brick_scratch = allocate(allocator, bricks, sizeof *brick_scratch);
-  grid->brick_lipschitz = allocate(allocator, bricks, sizeof *grid->brick_lipschitz);
+  float* brick_scratch = scree_rt_allocate(allocator, bricks, sizeof *brick_scratch);
+  grid->brick_lipschitz = scree_rt_allocate(allocator, bricks, sizeof *grid->brick_lipschitz);
   bool complete = b.vertices != NULL && b.distance != NULL && b.nearest != NULL && b.inside != NULL && b.changed != NULL &&
                   brick_scratch != NULL && grid->brick_lipschitz != NULL;
   if (complete) {
     snap_vertices(&b, grid, shape);
     fill_grid(&b, grid, brick_scratch, jobs);
   } else {
-    release(allocator, b.nearest, count, sizeof *b.nearest);
-    support_mesh_destroy(grid, allocator);
+    scree_rt_release(allocator, b.nearest, count, sizeof *b.nearest);
+    scree_rt_support_mesh_destroy(grid, allocator);
   }
-  release(allocator, brick_scratch, bricks, sizeof *brick_scratch);
-  release(allocator, b.vertices, shape->mesh.vertex_count, sizeof *b.vertices);
-  release(allocator, b.distance, count, sizeof *b.distance);
-  release(allocator, b.inside, bytes, 1);
-  release(allocator, b.changed, count, 1);
+  scree_rt_release(allocator, brick_scratch, bricks, sizeof *brick_scratch);
+  scree_rt_release(allocator, b.vertices, shape->mesh.vertex_count, sizeof *b.vertices);
+  scree_rt_release(allocator, b.distance, count, sizeof *b.distance);
+  scree_rt_release(allocator, b.inside, bytes, 1);
+  scree_rt_release(allocator, b.changed, count, 1);
   return complete ? SCREE_OK : SCREE_ERROR_OUT_OF_MEMORY;
 }
 
-void support_mesh_destroy(support_mesh* grid, const scree_allocator* allocator) {
-  release(allocator, grid->samples, (size_t)grid->size[0] * grid->size[1] * grid->size[2], sizeof *grid->samples);
-  release(allocator, grid->brick_lipschitz, (size_t)grid->bricks[0] * grid->bricks[1] * grid->bricks[2], sizeof(float));
+void scree_rt_support_mesh_destroy(support_mesh* grid, const scree_allocator* allocator) {
+  scree_rt_release(allocator, grid->samples, (size_t)grid->size[0] * grid->size[1] * grid->size[2], sizeof *grid->samples);
+  scree_rt_release(allocator, grid->brick_lipschitz, (size_t)grid->bricks[0] * grid->bricks[1] * grid->bricks[2], sizeof(float));
   grid->samples = NULL;
   grid->brick_lipschitz = NULL;
 }

@@ -27,12 +27,12 @@ typedef struct support_mesh {
 
 /* Checks that the mesh is closed and not inside out; its numbers were checked before. shape_index is for the error's text.
  * Returns SCREE_OK, INVALID_ARGUMENT, NOT_CLOSED or OUT_OF_MEMORY. */
-scree_result support_mesh_check(const scree_shape* shape, uint32_t shape_index, const scree_allocator* allocator,
-                                scree_error* error);
+scree_result scree_rt_support_mesh_check(const scree_shape* shape, uint32_t shape_index, const scree_allocator* allocator,
+                                         scree_error* error);
 
 /* Samples the distance; the mesh was checked. Returns SCREE_OK or OUT_OF_MEMORY, then with nothing left to release. */
-scree_result support_mesh_create(support_mesh* grid, const scree_shape* shape, const scree_jobs* jobs,
-                                 const scree_allocator* allocator);
-void support_mesh_destroy(support_mesh* grid, const scree_allocator* allocator);
+scree_result scree_rt_support_mesh_create(support_mesh* grid, const scree_shape* shape, const scree_jobs* jobs,
+                                          const scree_allocator* allocator);
+void scree_rt_support_mesh_destroy(support_mesh* grid, const scree_allocator* allocator);
 
 #endif

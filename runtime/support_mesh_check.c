@@ -23,22 +23,22 @@ static uint64_t* edge_place(const edge_table* table, uint64_t edge) {
 }
 
 static void say_shape(scree_error* error, uint32_t shape_index) {
-  text_clear(error);
-  text_add(error, "shape ");
-  text_add_count(error, shape_index);
-  text_add(error, ": mesh");
+  scree_rt_text_clear(error);
+  scree_rt_text_add(error, "shape ");
+  scree_rt_text_add_count(error, shape_index);
+  scree_rt_text_add(error, ": mesh");
 }
 
 static scree_result refuse_edge(scree_error* error, uint32_t shape_index, uint32_t from, uint32_t to, uint32_t triangle,
                                 const char* why) {
   say_shape(error, shape_index);
-  text_add(error, " is not closed: the edge from vertex ");
-  text_add_count(error, from);
-  text_add(error, " to ");
-  text_add_count(error, to);
-  text_add(error, " of triangle ");
-  text_add_count(error, triangle);
-  text_add(error, why);
+  scree_rt_text_add(error, " is not closed: the edge from vertex ");
+  scree_rt_text_add_count(error, from);
+  scree_rt_text_add(error, " to ");
+  scree_rt_text_add_count(error, to);
+  scree_rt_text_add(error, " of triangle ");
+  scree_rt_text_add_count(error, triangle);
+  scree_rt_text_add(error, why);
   return SCREE_ERROR_NOT_CLOSED;
 }
 
@@ -49,11 +49,11 @@ static scree_result check_edges(const scree_shape* shape, uint32_t shape_index, 
       uint32_t from = v[k], to = v[(k + 1) % 3];
       if (from == to) {
         say_shape(error, shape_index);
-        text_add(error, " triangle ");
-        text_add_count(error, t);
-        text_add(error, " uses vertex ");
-        text_add_count(error, from);
-        text_add(error, " twice");
+        scree_rt_text_add(error, " triangle ");
+        scree_rt_text_add_count(error, t);
+        scree_rt_text_add(error, " uses vertex ");
+        scree_rt_text_add_count(error, from);
+        scree_rt_text_add(error, " twice");
         return SCREE_ERROR_INVALID_ARGUMENT;
       }
       uint64_t* place = edge_place(table, edge_key(from, to));
@@ -87,20 +87,20 @@ static double volume6(const scree_shape* shape) {
   return sum;
 }
 
-scree_result support_mesh_check(const scree_shape* shape, uint32_t shape_index, const scree_allocator* allocator,
-                                scree_error* error) {
+scree_result scree_rt_support_mesh_check(const scree_shape* shape, uint32_t shape_index, const scree_allocator* allocator,
+                                         scree_error* error) {
   edge_table table = {NULL, 16};
   while (table.size < (size_t)6 * shape->mesh.triangle_count) table.size *= 2;
-  table.edges = allocate_zeroed(allocator, table.size, sizeof *table.edges);
+  table.edges = scree_rt_allocate_zeroed(allocator, table.size, sizeof *table.edges);
   if (table.edges == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
   scree_result result = check_edges(shape, shape_index, &table, error);
-  release(allocator, table.edges, table.size, sizeof *table.edges);
+  scree_rt_release(allocator, table.edges, table.size, sizeof *table.edges);
   if (result != SCREE_OK) return result;
 
   double volume = volume6(shape);
   if (volume > 0) return SCREE_OK;
   say_shape(error, shape_index);
-  text_add(error,
-           volume < 0 ? " is inside out: its triangles must run counter-clockwise seen from outside" : " encloses no volume");
+  scree_rt_text_add(
+      error, volume < 0 ? " is inside out: its triangles must run counter-clockwise seen from outside" : " encloses no volume");
   return SCREE_ERROR_INVALID_ARGUMENT;
 }

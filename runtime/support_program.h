@@ -108,13 +108,13 @@ struct scree_support {
 };
 
 /* The box, in the root's space, that holds every point whose distance is <= level, level >= 0. Returns false if there is none. */
-bool support_level_bounds(const scree_support* support, double level, double min[3], double max[3]);
+bool scree_rt_support_level_bounds(const scree_support* support, double level, double min[3], double max[3]);
 
 /* Distances in the order of the program; count points in SUPPORT_BATCH-sized arrays. Plain kernel. */
-void support_evaluate_plain(const support_op* ops, const uint16_t* program, uint32_t length, const float* x, const float* y,
-                            const float* z, float* distance, uint32_t count);
+void scree_rt_support_evaluate_plain(const support_op* ops, const uint16_t* program, uint32_t length, const float* x,
+                                     const float* y, const float* z, float* distance, uint32_t count);
 
 /* Checks every shape, names what is wrong. */
-scree_result support_check(const scree_support_desc* desc, scree_error* error);
+scree_result scree_rt_support_check(const scree_support_desc* desc, scree_error* error);
 
 #endif

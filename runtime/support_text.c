@@ -3,17 +3,17 @@
 #include <math.h>
 #include <string.h>
 
-void text_clear(scree_error* error) {
+void scree_rt_text_clear(scree_error* error) {
   if (error != NULL) memset(error, 0, sizeof *error);
 }
 
-void text_add(scree_error* error, const char* text) {
+void scree_rt_text_add(scree_error* error, const char* text) {
   if (error == NULL) return;
   size_t used = strlen(error->message), room = sizeof error->message - 1 - used, size = strlen(text);
   memcpy(error->message + used, text, size < room ? size : room);
 }
 
-void text_add_count(scree_error* error, uint64_t number) {
+void scree_rt_text_add_count(scree_error* error, uint64_t number) {
   char digits[24];
   size_t at = sizeof digits - 1;
   digits[at] = '\0';
@@ -21,18 +21,18 @@ void text_add_count(scree_error* error, uint64_t number) {
     digits[--at] = (char)('0' + number % 10);
     number /= 10;
   } while (number > 0);
-  text_add(error, digits + at);
+  scree_rt_text_add(error, digits + at);
 }
 
-void text_add_number(scree_error* error, double number) {
+void scree_rt_text_add_number(scree_error* error, double number) {
   if (isnan(number)) {
-    text_add(error, "not a number");
+    scree_rt_text_add(error, "not a number");
     return;
   }
-  if (signbit(number)) text_add(error, "-");
+  if (signbit(number)) scree_rt_text_add(error, "-");
   number = fabs(number);
   if (isinf(number)) {
-    text_add(error, "infinity");
+    scree_rt_text_add(error, "infinity");
     return;
   }
   int exponent = 0;
@@ -52,10 +52,10 @@ void text_add_number(scree_error* error, double number) {
     scaled /= 10;
   }
   fraction[length] = '\0';
-  text_add_count(error, scaled);
-  if (length > 1) text_add(error, fraction);
+  scree_rt_text_add_count(error, scaled);
+  if (length > 1) scree_rt_text_add(error, fraction);
   if (exponent != 0) {
-    text_add(error, exponent < 0 ? "e-" : "e");
-    text_add_count(error, (uint64_t)(exponent < 0 ? -exponent : exponent));
+    scree_rt_text_add(error, exponent < 0 ? "e-" : "e");
+    scree_rt_text_add_count(error, (uint64_t)(exponent < 0 ? -exponent : exponent));
   }
 }

@@ -141,7 +141,7 @@ static void bench_decode(const scree_pack* pack, const char* prefix) {
 }
 
 static void bench_encode(const scree_pack* pack, const char* prefix) {
-  const scree_allocator allocator = allocator_or_default(NULL);
+  const scree_allocator allocator = scree_rt_allocator_or_default(NULL);
   scree_pack_info info;
   scree_pack_get_info(pack, &info);
   double spent = 0, bytes = 0, triangles = 0;
@@ -155,7 +155,7 @@ static void bench_encode(const scree_pack* pack, const char* prefix) {
       spent += seconds() - start;
       bytes += level.blob_size;
       triangles += level.triangle_count;
-      release(&allocator, level.blob, level.blob_size, 1);
+      scree_rt_release(&allocator, level.blob, level.blob_size, 1);
       free_mesh(&mesh);
     }
   figure(prefix, "draco.encode", rocks / spent, "rocks/s, all levels", 0);
@@ -204,7 +204,7 @@ static lattice_mesh join(const lattice_mesh* meshes, uint32_t count) {
 
 /* Encodes the sample in groups and prints bytes, encoding and libdraco's decoding time a rock. */
 static void row(const char* name, const sample* taken, const draco_encode_options* options, uint32_t group) {
-  const scree_allocator allocator = allocator_or_default(NULL);
+  const scree_allocator allocator = scree_rt_allocator_or_default(NULL);
   double bytes = 0, encoding = 0, decoding[3] = {0, 0, 0};
   uint32_t rocks = 0;
   for (uint32_t i = 0; i + group <= taken->count; i += group, rocks += group) {
@@ -219,7 +219,7 @@ static void row(const char* name, const sample* taken, const draco_encode_option
       if (!bench_libdraco_decode(level.blob, level.blob_size)) die("libdraco refuses a mesh");
       decoding[run] += seconds() - begin;
     }
-    release(&allocator, level.blob, level.blob_size, 1);
+    scree_rt_release(&allocator, level.blob, level.blob_size, 1);
     free_mesh(&mesh);
   }
   printf("| %s | %.0f | %.0f | %.1f |\n", name, bytes / rocks, 1e6 * encoding / rocks, 1e6 * median(decoding, 3) / rocks);
@@ -238,7 +238,7 @@ static double normal_error(const lattice_mesh* mesh, const lattice_mesh* fine) {
     void* scratch = must(malloc((mesh->vertex_count + 1) * MESH_NORMALS_SCRATCH));
     for (uint32_t i = 0; i < mesh->vertex_count; ++i)
       memcpy(vertices[k][i].position, both[k]->positions[i], sizeof vertices[k][i].position);
-    mesh_normals(vertices[k], mesh->vertex_count, mesh->indices, mesh->triangle_count, scratch);
+    scree_rt_mesh_normals(vertices[k], mesh->vertex_count, mesh->indices, mesh->triangle_count, scratch);
     free(scratch);
   }
   double sum = 0;
@@ -261,7 +261,7 @@ static void print_choices(void) {
   printf("| lattice steps a voxel | bytes a rock, LOD 0 | LOD 1 | LOD 2 | LOD 3 | normals off by, degrees |\n");
   printf("| --- | --- | --- | --- | --- | --- |\n");
   sample fine = take_sample(pack, 0, 1);
-  const scree_allocator allocator = allocator_or_default(NULL);
+  const scree_allocator allocator = scree_rt_allocator_or_default(NULL);
   for (int steps = 2; steps <= 16; steps *= 2) {
     double sizes[4] = {0}, error = 0;
     for (uint32_t lod = 0; lod < 4; ++lod) {
@@ -270,7 +270,7 @@ static void print_choices(void) {
         rock_lod level;
         if (draco_encode(&taken.meshes[i], &allocator, &level) != SCREE_OK) die("a mesh cannot be encoded");
         sizes[lod] += level.blob_size;
-        release(&allocator, level.blob, level.blob_size, 1);
+        scree_rt_release(&allocator, level.blob, level.blob_size, 1);
         if (lod == 0) error += normal_error(&taken.meshes[i], &fine.meshes[i]);
       }
       sizes[lod] /= taken.count;

@@ -298,7 +298,7 @@ int main(int argc, char** argv) {
     if (scree_field_create(&desc, NULL, &b.field) != SCREE_OK) die("the pack cannot be used");
   } else {
     source = synthetic_create(5, 1, 1, 1);
-    if (field_create_from_source(&desc, &source.source, NULL, &b.field) != SCREE_OK) die("no field");
+    if (scree_rt_field_create_from_source(&desc, &source.source, NULL, &b.field) != SCREE_OK) die("no field");
   }
   b.buffer = must(malloc(b.capacity * sizeof *b.buffer));
   memset(b.buffer, 1, b.capacity * sizeof *b.buffer);

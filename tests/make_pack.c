@@ -91,7 +91,7 @@ static void fill_rock(uint64_t seed, const test_pack_desc* desc, rock_record* ro
 
 rock_set* test_rock_set_make(const test_pack_desc* given) {
   const test_pack_desc desc = with_defaults(given);
-  const uint32_t cell_count = lattice_cell_count(desc.cells_per_cube);
+  const uint32_t cell_count = scree_rt_lattice_cell_count(desc.cells_per_cube);
   uint32_t* first = checked(malloc((cell_count + 1) * sizeof *first));
   first[0] = 0;
   for (uint32_t cell = 0; cell < cell_count; ++cell) first[cell + 1] = first[cell] + 1 + cell % desc.rocks_per_cell;
@@ -122,14 +122,15 @@ rock_set* test_rock_set_make(const test_pack_desc* given) {
 }
 
 void test_rock_set_free(rock_set* set) {
-  const scree_allocator allocator = allocator_or_default(NULL);
+  const scree_allocator allocator = scree_rt_allocator_or_default(NULL);
   for (uint32_t i = 0; i < set->rock_count; ++i) {
     rock_record* rock = (rock_record*)&set->rocks[i];
     /* A repeated shape has the memory of an earlier rock. */
     bool owner = true;
     for (uint32_t k = 0; k < i && k < 64 && owner; ++k) owner = set->rocks[k].hull != rock->hull;
     if (!owner) continue;
-    for (uint32_t lod = 0; lod < set->lod_count; ++lod) release(&allocator, rock->lods[lod].blob, rock->lods[lod].blob_size, 1);
+    for (uint32_t lod = 0; lod < set->lod_count; ++lod)
+      scree_rt_release(&allocator, rock->lods[lod].blob, rock->lods[lod].blob_size, 1);
     free(rock->contacts);
     free(rock->hull);
   }
@@ -153,10 +154,10 @@ void test_pack_reseal(uint8_t* bytes) {
   for (uint32_t i = 0; i < header->section_count; ++i) {
     pack_section* section = &table[i];
     if (section->offset + section->size <= header->file_size)
-      section->digest = pack_bytes_digest(bytes + section->offset, (size_t)section->size);
+      section->digest = scree_rt_pack_bytes_digest(bytes + section->offset, (size_t)section->size);
     if (section->kind >= 1 && section->kind <= PACK_SECTION_KINDS) sections[section->kind - 1] = section;
   }
-  header->table_digest = pack_bytes_digest(table, header->section_count * sizeof *table);
-  header->pack_digest = pack_digest(header, sections);
-  header->header_check = pack_header_check(header);
+  header->table_digest = scree_rt_pack_bytes_digest(table, header->section_count * sizeof *table);
+  header->pack_digest = scree_rt_pack_digest(header, sections);
+  header->header_check = scree_rt_pack_header_check(header);
 }

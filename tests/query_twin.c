@@ -80,7 +80,7 @@ found_rocks twin_query(const scree_query_desc* d, const field_source* source, co
           at[a] = (float)((field->origin[a] - d->support->origin[a]) + h * (double)c[a]);
         }
         uint32_t code = cube_code(field->seed, rock.id.cube[0], rock.id.cube[1], rock.id.cube[2]);
-        uint32_t cell = lattice_cell((uint32_t)n, code, place[0], place[1], place[2]);
+        uint32_t cell = scree_rt_lattice_cell((uint32_t)n, code, place[0], place[1], place[2]);
         for (uint32_t asset = source->cell_first[cell]; asset < source->cell_first[cell + 1]; ++asset) {
           const field_rock* r = &source->rocks[asset];
           uint32_t k = pending.count++;
@@ -101,16 +101,16 @@ found_rocks twin_query(const scree_query_desc* d, const field_source* source, co
 
 found_rocks run_query(const scree_query_desc* desc, query_kernel kernel) {
   uint64_t count = 0, filled = 0;
-  assert_int_equal(query_count(desc, kernel, &count), SCREE_OK);
+  assert_int_equal(scree_rt_query_count(desc, kernel, &count), SCREE_OK);
   size_t room = (size_t)count + 1;
   scree_instance* instances = malloc(room * sizeof *instances);
   scree_instance* alone = malloc(room * sizeof *alone);
   scree_id* ids = malloc(room * sizeof *ids);
   found_rocks found = {malloc(room * sizeof *found.rocks), count};
   assert_true(instances != NULL && alone != NULL && ids != NULL && found.rocks != NULL);
-  assert_int_equal(query_fill(desc, kernel, instances, ids, count, &filled), SCREE_OK);
+  assert_int_equal(scree_rt_query_fill(desc, kernel, instances, ids, count, &filled), SCREE_OK);
   assert_int_equal(filled, count);
-  assert_int_equal(query_fill(desc, kernel, alone, NULL, count, &filled),
+  assert_int_equal(scree_rt_query_fill(desc, kernel, alone, NULL, count, &filled),
                    SCREE_OK); /* ids are a side line: same rocks, same order */
   assert_int_equal(filled, count);
   assert_memory_equal(instances, alone, count * sizeof *instances);

@@ -11,7 +11,7 @@ static void* must_allocate(size_t count, size_t size) {
 synthetic_source synthetic_create(uint32_t n, uint32_t seeds_min, uint32_t seeds_max, uint64_t seed) {
   random_stream r = {seed};
   synthetic_source s = {0};
-  uint32_t cells = lattice_cell_count(n);
+  uint32_t cells = scree_rt_lattice_cell_count(n);
   s.tile_cells = must_allocate((size_t)256 * n * n * n, sizeof *s.tile_cells);
   s.cell_first = must_allocate(cells + 1, sizeof *s.cell_first);
   s.rocks = must_allocate((size_t)cells * seeds_max, sizeof *s.rocks);
@@ -19,7 +19,7 @@ synthetic_source synthetic_create(uint32_t n, uint32_t seeds_min, uint32_t seeds
   for (uint32_t code = 0; code < 256; ++code)
     for (uint32_t z = 0; z < n; ++z)
       for (uint32_t y = 0; y < n; ++y)
-        for (uint32_t x = 0; x < n; ++x) *out++ = lattice_cell(n, code, x, y, z);
+        for (uint32_t x = 0; x < n; ++x) *out++ = scree_rt_lattice_cell(n, code, x, y, z);
 
   uint32_t rocks = 0;
   float largest = 0;

@@ -85,7 +85,7 @@ typedef struct baked_contacts {
 /* Bakes the contacts of a global cell's unique rocks, once. */
 static void bake_contacts(bake_run* bake, uint32_t cell, baked_contacts* by_slot) {
   uint32_t code, place[3];
-  lattice_cell_place(bake->seeds.n, cell, &code, &place[0], &place[1], &place[2]);
+  scree_rt_lattice_cell_place(bake->seeds.n, cell, &code, &place[0], &place[1], &place[2]);
   neighbourhood around;
   neighbourhood_gather(&bake->seeds, code, (int32_t)place[0], (int32_t)place[1], (int32_t)place[2], &around);
   for (uint32_t slot = bake->cell_rocks[cell]; slot < bake->cell_rocks[cell + 1]; ++slot) {
@@ -220,7 +220,7 @@ static void compare(const setting* given) {
   for (uint32_t i = 0; i < bake.cell_count; ++i) {
     const uint32_t cell = bake.cells[i];
     uint32_t code, place[3];
-    lattice_cell_place(bake.seeds.n, cell, &code, &place[0], &place[1], &place[2]);
+    scree_rt_lattice_cell_place(bake.seeds.n, cell, &code, &place[0], &place[1], &place[2]);
     if (i == 0 || worker->rock.blocks.code != code) block_cache_begin(&worker->rock.blocks, code);
     for (uint32_t slot = bake.cell_rocks[cell]; slot < bake.cell_rocks[cell + 1]; ++slot) {
       const uint32_t seed = slot - bake.cell_rocks[cell];

@@ -271,7 +271,7 @@ static void erosion_only_subtracts(void** state) {
   uint64_t added = 0, voxels = 0, taken = 0, wrong_count = 0, wrong_rows = 0;
   for (uint32_t i = 0; i < bake.cell_count; ++i) {
     uint32_t code, x, y, z;
-    lattice_cell_place(bake.seeds.n, bake.cells[i], &code, &x, &y, &z);
+    scree_rt_lattice_cell_place(bake.seeds.n, bake.cells[i], &code, &x, &y, &z);
     if (i == 0 || worker->blocks.code != code) block_cache_begin(&worker->blocks, code);
     const uint32_t seeds = bake.cell_rocks[bake.cells[i] + 1] - bake.cell_rocks[bake.cells[i]];
     for (uint32_t seed = 0; seed < seeds; ++seed) {
@@ -385,7 +385,7 @@ static void the_field_is_deep_where_the_rock_is_deep(void** state) {
   uint32_t looked = 0;
   for (uint32_t i = 0; i < bake.cell_count; i += 23) {
     uint32_t code, x, y, z;
-    lattice_cell_place(bake.seeds.n, bake.cells[i], &code, &x, &y, &z);
+    scree_rt_lattice_cell_place(bake.seeds.n, bake.cells[i], &code, &x, &y, &z);
     block_cache_begin(&worker->blocks, code);
     if (!rock_voronoi(worker, (int32_t)x, (int32_t)y, (int32_t)z, 0)) continue;
     const uint32_t* size = worker->grid.size;

@@ -60,26 +60,26 @@ static void version_string_is_the_header_s_numbers(void** state) {
 
 static void default_memory_is_aligned_and_writable(void** state) {
   (void)state;
-  scree_allocator allocator = allocator_or_default(NULL);
+  scree_allocator allocator = scree_rt_allocator_or_default(NULL);
   const size_t sizes[] = {0, 1, 63, 64, 65, 4096, 100001};
   for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; ++i) {
-    unsigned char* memory = allocate(&allocator, sizes[i], 1);
+    unsigned char* memory = scree_rt_allocate(&allocator, sizes[i], 1);
     assert_non_null(memory);
     assert_int_equal((uintptr_t)memory % SCREE_ALIGNMENT, 0);
     memset(memory, 0xa5, sizes[i]);
-    release(&allocator, memory, sizes[i], 1);
+    scree_rt_release(&allocator, memory, sizes[i], 1);
   }
 }
 
 static void zeroed_memory_is_zero(void** state) {
   (void)state;
-  scree_allocator allocator = allocator_or_default(NULL);
+  scree_allocator allocator = scree_rt_allocator_or_default(NULL);
   for (int round = 0; round < 4; ++round) {
-    unsigned char* memory = allocate_zeroed(&allocator, 1000, 3);
+    unsigned char* memory = scree_rt_allocate_zeroed(&allocator, 1000, 3);
     assert_non_null(memory);
     for (int i = 0; i < 3000; ++i) assert_int_equal(memory[i], 0);
     memset(memory, 0xff, 3000);
-    release(&allocator, memory, 1000, 3);
+    scree_rt_release(&allocator, memory, 1000, 3);
   }
 }
 
@@ -105,15 +105,15 @@ static void size_that_overflows_is_refused_before_the_host_is_asked(void** state
   (void)state;
   counting_host host = {0, 0};
   scree_allocator allocator = {counting_alloc, counting_release, &host};
-  assert_null(allocate(&allocator, SIZE_MAX / 2 + 1, 2));
-  assert_null(allocate(&allocator, 2, SIZE_MAX / 2 + 1));
-  assert_null(allocate_zeroed(&allocator, SIZE_MAX, SIZE_MAX));
+  assert_null(scree_rt_allocate(&allocator, SIZE_MAX / 2 + 1, 2));
+  assert_null(scree_rt_allocate(&allocator, 2, SIZE_MAX / 2 + 1));
+  assert_null(scree_rt_allocate_zeroed(&allocator, SIZE_MAX, SIZE_MAX));
   assert_int_equal(host.calls, 0);
 }
 
 static void size_near_the_limit_is_refused_by_the_default_host(void** state) {
   (void)state;
-  scree_allocator allocator = allocator_or_default(NULL);
+  scree_allocator allocator = scree_rt_allocator_or_default(NULL);
   assert_null(allocator.alloc(allocator.user, SIZE_MAX));
 }
 
@@ -121,11 +121,11 @@ static void host_gets_back_the_size_that_it_gave(void** state) {
   (void)state;
   counting_host host = {0, 0};
   scree_allocator given = {counting_alloc, counting_release, &host};
-  scree_allocator allocator = allocator_or_default(&given);
-  void* memory = allocate(&allocator, 10, 24);
+  scree_allocator allocator = scree_rt_allocator_or_default(&given);
+  void* memory = scree_rt_allocate(&allocator, 10, 24);
   assert_ptr_equal(memory, counted);
   assert_int_equal(host.live, 240);
-  release(&allocator, memory, 10, 24);
+  scree_rt_release(&allocator, memory, 10, 24);
   assert_int_equal(host.live, 0);
 }
 
@@ -133,17 +133,17 @@ static void releasing_null_does_not_reach_the_host(void** state) {
   (void)state;
   counting_host host = {100, 0};
   scree_allocator allocator = {counting_alloc, counting_release, &host};
-  release(&allocator, NULL, 4, 4);
+  scree_rt_release(&allocator, NULL, 4, 4);
   assert_int_equal(host.live, 100);
 }
 
 static void allocator_without_functions_means_malloc(void** state) {
   (void)state;
   scree_allocator zero = {NULL, NULL, NULL};
-  scree_allocator allocator = allocator_or_default(&zero);
-  void* memory = allocate(&allocator, 1, 1);
+  scree_allocator allocator = scree_rt_allocator_or_default(&zero);
+  void* memory = scree_rt_allocate(&allocator, 1, 1);
   assert_non_null(memory);
-  release(&allocator, memory, 1, 1);
+  scree_rt_release(&allocator, memory, 1, 1);
 }
 
 int main(void) {

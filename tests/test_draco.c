@@ -37,9 +37,9 @@ static decoded_mesh decode_or_fail(const rock_lod* level) {
   /* An exact-size copy, so that a sanitizer sees a read past its end. */
   uint8_t* blob = checked(malloc(level->blob_size + 1));
   memcpy(blob + 1, level->blob, level->blob_size);
-  assert_int_equal(
-      draco_decode_blob(blob + 1, level->blob_size, level->vertex_count, level->triangle_count, mesh.vertices, mesh.indices, 4),
-      SCREE_OK);
+  assert_int_equal(scree_rt_draco_decode_blob(blob + 1, level->blob_size, level->vertex_count, level->triangle_count, mesh.vertices,
+                                              mesh.indices, 4),
+                   SCREE_OK);
   free(blob);
   return mesh;
 }
@@ -54,8 +54,8 @@ static uint64_t digest_of(const decoded_mesh* mesh) {
 }
 
 static void release_blob(rock_lod* level) {
-  const scree_allocator allocator = allocator_or_default(NULL);
-  release(&allocator, level->blob, level->blob_size, 1);
+  const scree_allocator allocator = scree_rt_allocator_or_default(NULL);
+  scree_rt_release(&allocator, level->blob, level->blob_size, 1);
 }
 
 /* Encodes, decodes and compares; with both kinds of connectivity, of which the baker uses one. */
@@ -180,8 +180,8 @@ static void a_level_without_triangles_is_empty(void** state) {
   assert_null(level.blob);
   assert_int_equal(level.blob_size + level.vertex_count + level.triangle_count, 0);
   assert_true(level.digest == scree_mesh_digest(NULL, 0, NULL, 0));
-  assert_int_equal(draco_decode_blob(NULL, 0, 0, 0, NULL, NULL, 2), SCREE_OK);
-  assert_int_equal(draco_decode_blob(NULL, 0, 1, 0, NULL, NULL, 2), SCREE_ERROR_CORRUPT);
+  assert_int_equal(scree_rt_draco_decode_blob(NULL, 0, 0, 0, NULL, NULL, 2), SCREE_OK);
+  assert_int_equal(scree_rt_draco_decode_blob(NULL, 0, 1, 0, NULL, NULL, 2), SCREE_ERROR_CORRUPT);
 }
 
 static void triangles_that_draco_would_drop_are_refused(void** state) {
@@ -202,18 +202,18 @@ static void triangles_that_draco_would_drop_are_refused(void** state) {
 static void mesh_digest_is_what_the_format_says(void** state) {
   (void)state;
   /* The example of docs/pack_format.md, which tests/pack_reader.py computes from the text. */
-  assert_true(mesh_digest(tetrahedron_positions, 6, tetrahedron_occlusion, 1, tetrahedron_indices, 4) ==
+  assert_true(scree_rt_mesh_digest(tetrahedron_positions, 6, tetrahedron_occlusion, 1, tetrahedron_indices, 4) ==
               UINT64_C(0x87865a563ad6a90a));
 }
 
 static void mesh_digest_ignores_order_and_sees_every_change(void** state) {
   (void)state;
-  const uint64_t expected = mesh_digest(tetrahedron_positions, 6, tetrahedron_occlusion, 1, tetrahedron_indices, 4);
+  const uint64_t expected = scree_rt_mesh_digest(tetrahedron_positions, 6, tetrahedron_occlusion, 1, tetrahedron_indices, 4);
   /* Other triangle order, other first corners, vertices renumbered by (3, 2, 1, 0) and one of them twice. */
   const int16_t positions[5][3] = {{0, 0, 10}, {0, 10, 0}, {10, 0, 0}, {0, 0, 0}, {0, 0, 10}};
   const uint8_t occlusion[5] = {255, 170, 85, 0, 255};
   const uint32_t indices[12] = {0, 2, 1, 1, 3, 4, 2, 0, 3, 1, 2, 3};
-  assert_true(mesh_digest(positions, 6, occlusion, 1, indices, 4) == expected);
+  assert_true(scree_rt_mesh_digest(positions, 6, occlusion, 1, indices, 4) == expected);
 
   for (int change = 0; change < 12 + 4; ++change) {
     int16_t moved[4][3];
@@ -225,14 +225,14 @@ static void mesh_digest_ignores_order_and_sees_every_change(void** state) {
     } else {
       darker[change - 12] ^= 1;
     }
-    assert_true(mesh_digest(moved, 6, darker, 1, tetrahedron_indices, 4) != expected);
+    assert_true(scree_rt_mesh_digest(moved, 6, darker, 1, tetrahedron_indices, 4) != expected);
   }
   uint32_t flipped[12];
   memcpy(flipped, tetrahedron_indices, sizeof flipped);
   flipped[0] = tetrahedron_indices[1];
   flipped[1] = tetrahedron_indices[0];
-  assert_true(mesh_digest(tetrahedron_positions, 6, tetrahedron_occlusion, 1, flipped, 4) != expected);
-  assert_true(mesh_digest(tetrahedron_positions, 6, tetrahedron_occlusion, 1, tetrahedron_indices, 3) != expected);
+  assert_true(scree_rt_mesh_digest(tetrahedron_positions, 6, tetrahedron_occlusion, 1, flipped, 4) != expected);
+  assert_true(scree_rt_mesh_digest(tetrahedron_positions, 6, tetrahedron_occlusion, 1, tetrahedron_indices, 3) != expected);
   assert_true(scree_mesh_digest(NULL, 0, tetrahedron_indices, 4) == 0);
 }
 
@@ -282,7 +282,7 @@ static void a_vertex_without_area_gets_a_normal_all_the_same(void** state) {
   scree_vertex vertices[3] = {{.position = {1, 1, 1}}, {.position = {2, 2, 2}}, {.position = {3, 3, 3}}};
   const uint32_t indices[3] = {0, 1, 2};
   int64_t scratch[9];
-  mesh_normals(vertices, 3, indices, 1, scratch);
+  scree_rt_mesh_normals(vertices, 3, indices, 1, scratch);
   for (int i = 0; i < 3; ++i) {
     const int16_t up[3] = {0, 32767, 0};
     assert_memory_equal(vertices[i].normal, up, sizeof up);
@@ -354,7 +354,7 @@ static void every_truncated_blob_is_rejected(void** state) {
     for (uint32_t length = 0; length < level.blob_size; ++length) {
       uint8_t* cut = checked(malloc(length > 0 ? length : 1));
       memcpy(cut, level.blob, length);
-      assert_int_equal(draco_decode_blob(cut, length, level.vertex_count, level.triangle_count, vertices, indices, 2),
+      assert_int_equal(scree_rt_draco_decode_blob(cut, length, level.vertex_count, level.triangle_count, vertices, indices, 2),
                        SCREE_ERROR_CORRUPT);
       free(cut);
     }
@@ -392,7 +392,7 @@ static void changed_blobs_never_crash_the_decoder(void** state) {
         blob[i] = turn == 0 ? 0 : turn == 1 ? 255 : (uint8_t)(blob[i] ^ 1 << random % 8);
         if (turn > 3) blob[(random >> 8) % level.blob_size] = (uint8_t)(random >> 40);
         const scree_result result =
-            draco_decode_blob(blob, level.blob_size, level.vertex_count, level.triangle_count, vertices, indices, 4);
+            scree_rt_draco_decode_blob(blob, level.blob_size, level.vertex_count, level.triangle_count, vertices, indices, 4);
         if (result == SCREE_OK) {
           for (size_t k = 0; k < index_count; ++k) assert_true(indices[k] < level.vertex_count);
           ++accepted;
@@ -419,7 +419,7 @@ static void counts_that_do_not_match_the_record_are_refused(void** state) {
   for (uint32_t v = 0; v <= 8; ++v)
     for (uint32_t t = 0; t <= 8; ++t) {
       const scree_result expected = v == 4 && t == 4 ? SCREE_OK : v == 0 && t == 0 ? SCREE_OK : SCREE_ERROR_CORRUPT;
-      assert_int_equal(draco_decode_blob(level.blob, level.blob_size, v, t, vertices, indices, 4), expected);
+      assert_int_equal(scree_rt_draco_decode_blob(level.blob, level.blob_size, v, t, vertices, indices, 4), expected);
     }
   release_blob(&level);
 }
@@ -440,7 +440,8 @@ static void blobs_that_claim_more_than_the_record_are_refused_before_memory_is_t
   memcpy(blob + HEAD + sizeof many, level.blob + KEPT, level.blob_size - KEPT);
   scree_vertex vertices[4];
   uint32_t indices[12];
-  assert_int_equal(draco_decode_blob(blob, level.blob_size + sizeof many - 4, 4, 4, vertices, indices, 4), SCREE_ERROR_CORRUPT);
+  assert_int_equal(scree_rt_draco_decode_blob(blob, level.blob_size + sizeof many - 4, 4, 4, vertices, indices, 4),
+                   SCREE_ERROR_CORRUPT);
   free(blob);
   release_blob(&level);
 }
@@ -474,8 +475,8 @@ static void every_failed_allocation_of_the_encoder_is_reported(void** state) {
     rock_lod level;
     scree_result result = draco_encode(&tetrahedron, &allocator, &level);
     if (result == SCREE_OK) {
-      result = draco_decode_blob(level.blob, level.blob_size, 4, 4, vertices, indices, 2);
-      release(&allocator, level.blob, level.blob_size, 1);
+      result = scree_rt_draco_decode_blob(level.blob, level.blob_size, 4, 4, vertices, indices, 2);
+      scree_rt_release(&allocator, level.blob, level.blob_size, 1);
     }
     assert_int_equal(counter.alive, 0);
     if (result == SCREE_OK) break;

@@ -11,36 +11,36 @@
 
 static void unique_cells_number_as_in_the_paper(void** state) {
   (void)state;
-  assert_int_equal(lattice_cell_count(3), 2266);
-  assert_int_equal(lattice_cell_count(4), 7382);
-  assert_int_equal(lattice_cell_count(5), 17202);
-  assert_int_equal(lattice_cell_count(6), 33262);
+  assert_int_equal(scree_rt_lattice_cell_count(3), 2266);
+  assert_int_equal(scree_rt_lattice_cell_count(4), 7382);
+  assert_int_equal(scree_rt_lattice_cell_count(5), 17202);
+  assert_int_equal(scree_rt_lattice_cell_count(6), 33262);
   for (uint32_t n = 3; n <= 8; ++n)
-    assert_int_equal(lattice_cell_count(n), 2 + 12 * (n - 1) + 48 * (n - 1) * (n - 1) + 256 * (n - 1) * (n - 1) * (n - 1));
+    assert_int_equal(scree_rt_lattice_cell_count(n), 2 + 12 * (n - 1) + 48 * (n - 1) * (n - 1) + 256 * (n - 1) * (n - 1) * (n - 1));
 }
 
 static void cell_place_is_the_inverse_of_cell(void** state) {
   (void)state;
   for (uint32_t n = 3; n <= 6; ++n)
-    for (uint32_t cell = 0; cell < lattice_cell_count(n); ++cell) {
+    for (uint32_t cell = 0; cell < scree_rt_lattice_cell_count(n); ++cell) {
       uint32_t code, x, y, z;
-      lattice_cell_place(n, cell, &code, &x, &y, &z);
+      scree_rt_lattice_cell_place(n, cell, &code, &x, &y, &z);
       assert_true(code < 256 && x < n && y < n && z < n);
-      assert_int_equal(lattice_cell(n, code, x, y, z), cell);
+      assert_int_equal(scree_rt_lattice_cell(n, code, x, y, z), cell);
     }
 }
 
 static void every_tile_place_has_a_cell_in_range_and_every_cell_a_place(void** state) {
   (void)state;
   for (uint32_t n = 3; n <= 6; ++n) {
-    uint32_t count = lattice_cell_count(n);
+    uint32_t count = scree_rt_lattice_cell_count(n);
     uint8_t* seen = calloc(count, 1);
     assert_non_null(seen);
     for (uint32_t code = 0; code < 256; ++code)
       for (uint32_t z = 0; z < n; ++z)
         for (uint32_t y = 0; y < n; ++y)
           for (uint32_t x = 0; x < n; ++x) {
-            uint32_t cell = lattice_cell(n, code, x, y, z);
+            uint32_t cell = scree_rt_lattice_cell(n, code, x, y, z);
             assert_true(cell < count);
             seen[cell] = 1;
           }
@@ -67,7 +67,7 @@ static void cell_depends_on_exactly_the_corners_of_its_zone(void** state) {
         for (uint32_t y = 0; y < n; ++y)
           for (uint32_t x = 0; x < n; ++x)
             for (uint32_t corner = 0; corner < 8; ++corner) {
-              int changes = lattice_cell(n, code, x, y, z) != lattice_cell(n, code ^ (1u << corner), x, y, z);
+              int changes = scree_rt_lattice_cell(n, code, x, y, z) != scree_rt_lattice_cell(n, code ^ (1u << corner), x, y, z);
               assert_int_equal(changes, zone_corners(x, y, z) >> corner & 1);
             }
 }
@@ -103,7 +103,7 @@ static void neighbouring_cubes_agree_about_the_cells_they_share(void** state) {
     uint32_t a = (uint32_t)random & 255, other = (uint32_t)(random >> 8) & 255;
     uint32_t n = 3 + (uint32_t)(random >> 16) % 4, y = (uint32_t)(random >> 24) % n, z = (uint32_t)(random >> 32) % n;
     uint32_t b = (a & 0x55) | (other & 0xaa); /* the same four corners with dx = 0 */
-    assert_int_equal(lattice_cell(n, a, 0, y, z), lattice_cell(n, b, 0, y, z));
+    assert_int_equal(scree_rt_lattice_cell(n, a, 0, y, z), scree_rt_lattice_cell(n, b, 0, y, z));
   }
 }
 

@@ -113,7 +113,7 @@ static void tiles_name_the_cells_of_the_lattice_and_cells_their_rocks(void** sta
     for (uint32_t place = 0; place < 27; ++place) {
       uint32_t cell;
       assert_int_equal(scree_pack_tile_cell(pack, code, place % 3, place / 3 % 3, place / 9, &cell), SCREE_OK);
-      assert_int_equal(cell, lattice_cell(3, code, place % 3, place / 3 % 3, place / 9));
+      assert_int_equal(cell, scree_rt_lattice_cell(3, code, place % 3, place / 3 % 3, place / 9));
     }
   uint32_t next = 0;
   for (uint32_t cell = 0; cell < 2266; ++cell) {
@@ -213,7 +213,7 @@ static void every_truncation_with_a_header_to_match_is_rejected(void** state) {
     assert_non_null(cut);
     memcpy(cut, bytes, length);
     header_of(cut)->file_size = length;
-    header_of(cut)->header_check = pack_header_check(header_of(cut));
+    header_of(cut)->header_check = scree_rt_pack_header_check(header_of(cut));
     scree_pack* pack;
     const scree_result result = scree_pack_open_memory(cut, length, NULL, &pack);
     assert_true(result == SCREE_ERROR_TRUNCATED || result == SCREE_ERROR_CORRUPT);
@@ -309,11 +309,11 @@ static void random_headers_and_tables_never_crash_a_reader(void** state) {
     /* Re-seals by hand what can be sealed: the section count itself may be what was changed. */
     pack_header* header = header_of(changed);
     const uint64_t count = header->section_count < PACK_SECTION_KINDS ? header->section_count : PACK_SECTION_KINDS;
-    header->table_digest = pack_bytes_digest(changed + sizeof *header, (size_t)count * sizeof(pack_section));
+    header->table_digest = scree_rt_pack_bytes_digest(changed + sizeof *header, (size_t)count * sizeof(pack_section));
     const pack_section* sections[PACK_SECTION_KINDS];
     for (uint32_t i = 0; i < PACK_SECTION_KINDS; ++i) sections[i] = section_of(changed, i + 1);
-    header->pack_digest = pack_digest(header, sections);
-    header->header_check = pack_header_check(header);
+    header->pack_digest = scree_rt_pack_digest(header, sections);
+    header->header_check = scree_rt_pack_header_check(header);
     scree_pack* pack;
     if (scree_pack_open_memory(changed, size, NULL, &pack) != SCREE_OK) continue;
     walk(pack);
@@ -369,21 +369,21 @@ static void sections_past_the_end_misplaced_doubled_or_missing_are_rejected(void
   blobs->size = 128;
   header_of(bytes)->file_size = size;
   /* Sealed by hand: this section wraps around, and a helper that hashed it would read outside. */
-  header_of(bytes)->table_digest = pack_bytes_digest(section_of(bytes, 1), PACK_SECTION_KINDS * sizeof(pack_section));
-  header_of(bytes)->header_check = pack_header_check(header_of(bytes));
+  header_of(bytes)->table_digest = scree_rt_pack_bytes_digest(section_of(bytes, 1), PACK_SECTION_KINDS * sizeof(pack_section));
+  header_of(bytes)->header_check = scree_rt_pack_header_check(header_of(bytes));
   scree_pack* pack;
   assert_int_equal(scree_pack_open_memory(bytes, size, NULL, &pack), SCREE_ERROR_CORRUPT);
 
   *blobs = kept;
   blobs->kind = PACK_HULLS;
   blobs->element_size = 3;
-  header_of(bytes)->table_digest = pack_bytes_digest(section_of(bytes, 1), PACK_SECTION_KINDS * sizeof(pack_section));
-  header_of(bytes)->header_check = pack_header_check(header_of(bytes));
+  header_of(bytes)->table_digest = scree_rt_pack_bytes_digest(section_of(bytes, 1), PACK_SECTION_KINDS * sizeof(pack_section));
+  header_of(bytes)->header_check = scree_rt_pack_header_check(header_of(bytes));
   assert_int_equal(scree_pack_open_memory(bytes, size, NULL, &pack), SCREE_ERROR_CORRUPT);
   *blobs = kept;
   blobs->kind = 77;
-  header_of(bytes)->table_digest = pack_bytes_digest(section_of(bytes, 1), PACK_SECTION_KINDS * sizeof(pack_section));
-  header_of(bytes)->header_check = pack_header_check(header_of(bytes));
+  header_of(bytes)->table_digest = scree_rt_pack_bytes_digest(section_of(bytes, 1), PACK_SECTION_KINDS * sizeof(pack_section));
+  header_of(bytes)->header_check = scree_rt_pack_header_check(header_of(bytes));
   assert_int_equal(scree_pack_open_memory(bytes, size, NULL, &pack), SCREE_ERROR_CORRUPT);
   free(bytes);
 }
@@ -536,7 +536,7 @@ static void every_failed_allocation_of_open_and_write_is_reported(void** state) 
       scree_pack* pack;
       result = scree_pack_open_memory(bytes, size, &allocator, &pack);
       scree_pack_close(pack);
-      release(&allocator, bytes, size, 1);
+      scree_rt_release(&allocator, bytes, size, 1);
     } else {
       assert_null(bytes);
     }

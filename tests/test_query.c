@@ -26,7 +26,7 @@ static void make_field(scene* s, random_stream* r, uint32_t n, uint32_t seeds_mi
   s->source = synthetic_create(n, seeds_min, seeds_max, random_bits(r));
   s->field_desc = (scree_field_desc){.seed = random_bits(r), .cell_size = random_in(r, 0.5, 1.5)};
   for (int a = 0; a < 3; ++a) s->field_desc.origin[a] = random_in(r, -50, 50);
-  assert_int_equal(field_create_from_source(&s->field_desc, &s->source.source, NULL, &s->field), SCREE_OK);
+  assert_int_equal(scree_rt_field_create_from_source(&s->field_desc, &s->source.source, NULL, &s->field), SCREE_OK);
 }
 
 static void make_support(scene* s, random_stream* r) {
@@ -122,7 +122,7 @@ static void query_equals_its_plain_twin_where_many_rocks_are_in_doubt(void** sta
     scene s = {0};
     s.source = synthetic_create(3 + random_below(&r, 4), 1, 1, random_bits(&r));
     s.field_desc = (scree_field_desc){.seed = random_bits(&r), .cell_size = 0.3};
-    assert_int_equal(field_create_from_source(&s.field_desc, &s.source.source, NULL, &s.field), SCREE_OK);
+    assert_int_equal(scree_rt_field_create_from_source(&s.field_desc, &s.source.source, NULL, &s.field), SCREE_OK);
     static const uint32_t children[] = {1, 2, 3, 4, 5, 6};
     scree_shape* shapes = s.shapes.shapes;
     uint32_t count = 2 + random_below(&r, 5);
@@ -140,7 +140,7 @@ static void query_equals_its_plain_twin_where_many_rocks_are_in_doubt(void** sta
       d.threshold = (float[]){0.5f, 0.05f, 0.9f}[k];
       double min[3], max[3];
       int64_t low[3], high[3];
-      assert_true(support_level_bounds(s.support, 0.5, min, max));
+      assert_true(scree_rt_support_level_bounds(s.support, 0.5, min, max));
       for (int a = 0; a < 3; ++a) {
         low[a] = (int64_t)floor(min[a] / 0.3) - 2;
         high[a] = (int64_t)ceil(max[a] / 0.3) + 2;
@@ -265,8 +265,8 @@ static void field_far_from_the_origin_is_the_same_field(void** state) {
     }
     scree_field_destroy(near.field);
     scree_support_destroy(near.support);
-    assert_int_equal(field_create_from_source(&near.field_desc, &near.source.source, NULL, &near.field), SCREE_OK);
-    assert_int_equal(field_create_from_source(&far.field_desc, &near.source.source, NULL, &far.field), SCREE_OK);
+    assert_int_equal(scree_rt_field_create_from_source(&near.field_desc, &near.source.source, NULL, &near.field), SCREE_OK);
+    assert_int_equal(scree_rt_field_create_from_source(&far.field_desc, &near.source.source, NULL, &far.field), SCREE_OK);
     assert_int_equal(scree_support_create(&near.shapes.desc, NULL, &near.support, NULL), SCREE_OK);
     near.shapes.desc.origin[0] = far.shapes.desc.origin[0];
     near.shapes.desc.origin[1] = far.shapes.desc.origin[1];
@@ -334,7 +334,7 @@ static void ids_decode_to_cells_and_seeds(void** state) {
     assert_true(place[2] < 4);
     uint32_t code = scree_field_tile_code(s.field, rock->id.cube);
     assert_int_equal(code, cube_code(s.field_desc.seed, rock->id.cube[0], rock->id.cube[1], rock->id.cube[2]));
-    uint32_t unique = lattice_cell(4, code, place[0], place[1], place[2]);
+    uint32_t unique = scree_rt_lattice_cell(4, code, place[0], place[1], place[2]);
     assert_in_range(rock->instance.asset, source->cell_first[unique], source->cell_first[unique + 1] - 1);
     assert_int_equal(source->rocks[rock->instance.asset].seed, seed);
     for (int a = 0; a < 3; ++a)
@@ -358,18 +358,18 @@ static void fill_stops_at_the_capacity_and_counts_on(void** state) {
   const query_kernel kernels[] = {QUERY_KERNEL_BEST, QUERY_KERNEL_PLAIN};
   for (int k = 0; k < 2; ++k) {
     uint64_t count, total;
-    assert_int_equal(query_count(&d, kernels[k], &total), SCREE_OK);
+    assert_int_equal(scree_rt_query_count(&d, kernels[k], &total), SCREE_OK);
     assert_in_range(total, 20, 5000);
     scree_instance* all = malloc(total * sizeof *all);
     scree_id* all_ids = malloc(total * sizeof *all_ids);
-    assert_int_equal(query_fill(&d, kernels[k], all, all_ids, total, &count), SCREE_OK);
+    assert_int_equal(scree_rt_query_fill(&d, kernels[k], all, all_ids, total, &count), SCREE_OK);
     for (uint64_t capacity = 0; capacity < total + 20; ++capacity) { /* exact-size buffers, for the sanitizers */
       scree_instance* some = malloc((capacity + !capacity) * sizeof *some);
       scree_id* ids = malloc((capacity + !capacity) * sizeof *ids);
       scree_result expected = capacity < total ? SCREE_ERROR_CAPACITY : SCREE_OK;
       uint64_t kept = capacity < total ? capacity : total;
       for (int with_ids = 0; with_ids < 2; ++with_ids) {
-        assert_int_equal(query_fill(&d, kernels[k], some, with_ids ? ids : NULL, capacity, &count), expected);
+        assert_int_equal(scree_rt_query_fill(&d, kernels[k], some, with_ids ? ids : NULL, capacity, &count), expected);
         assert_int_equal(count, total);
         assert_memory_equal(some, all, kept * sizeof *some);
       }
@@ -377,7 +377,7 @@ static void fill_stops_at_the_capacity_and_counts_on(void** state) {
       free(some);
       free(ids);
     }
-    assert_int_equal(query_fill(&d, kernels[k], NULL, NULL, 0, &count), SCREE_ERROR_CAPACITY);
+    assert_int_equal(scree_rt_query_fill(&d, kernels[k], NULL, NULL, 0, &count), SCREE_ERROR_CAPACITY);
     assert_int_equal(count, total);
     free(all);
     free(all_ids);
@@ -508,7 +508,7 @@ static void cubes_beyond_int32_are_out_of_range(void** state) {
   scree_shape ball = {.kind = SCREE_SHAPE_SPHERE, .sphere = {2}};
   scree_field_desc field_desc = {.seed = 1, .cell_size = 1};
   scree_field* field;
-  assert_int_equal(field_create_from_source(&field_desc, &source.source, NULL, &field), SCREE_OK);
+  assert_int_equal(scree_rt_field_create_from_source(&field_desc, &source.source, NULL, &field), SCREE_OK);
   const double last = 3.0 * INT32_MAX;
   const struct {
     double at;

@@ -296,7 +296,7 @@ static void nothing_of_a_support_lies_outside_its_bounds(void** state) {
     double min[3], max[3], low[3], high[3];
     scree_support_bounds(support, min, max);
     double level = random_in(&r, 0, 3);
-    bool some = support_level_bounds(support, level, low, high);
+    bool some = scree_rt_support_level_bounds(support, level, low, high);
     for (int i = 0; i < 2000; ++i) {
       double p[3];
       random_point(&r, 25, p);

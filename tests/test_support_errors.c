@@ -104,15 +104,15 @@ static void numbers_in_errors_have_six_digits(void** state) {
                {NAN, "not a number"}};
   for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
     scree_error error;
-    text_clear(&error);
-    text_add_number(&error, cases[i].number);
+    scree_rt_text_clear(&error);
+    scree_rt_text_add_number(&error, cases[i].number);
     assert_string_equal(error.message, cases[i].text);
   }
   scree_error full; /* what does not fit is cut off */
-  text_clear(&full);
-  for (int i = 0; i < 200; ++i) text_add(&full, "word ");
+  scree_rt_text_clear(&full);
+  for (int i = 0; i < 200; ++i) scree_rt_text_add(&full, "word ");
   assert_int_equal(strlen(full.message), sizeof full.message - 1);
-  text_add(NULL, "nobody listens");
+  scree_rt_text_add(NULL, "nobody listens");
 }
 
 static void broken_meshes_are_refused_by_edge(void** state) {
@@ -256,7 +256,7 @@ static void creating_survives_every_failed_allocation(void** state) {
       scree_field* field = NULL;
       scree_error error;
       result = what == 0 ? scree_support_create(&desc, &allocator, &support, &error)
-                         : field_create_from_source(&field_desc, &source.source, &allocator, &field);
+                         : scree_rt_field_create_from_source(&field_desc, &source.source, &allocator, &field);
       if (result == SCREE_OK) {
         assert_true(memory.alive > 0);
       } else {
@@ -279,16 +279,16 @@ static void broken_field_tables_are_refused(void** state) {
   synthetic_source s = synthetic_create(4, 1, 2, 1);
   const scree_field_desc good = {.seed = 1, .cell_size = 1};
   scree_field* field;
-#define REFUSED(change, undo_change, result)                                                        \
-  do {                                                                                              \
-    scree_field_desc desc = good;                                                                   \
-    field_source source = s.source;                                                                 \
-    change;                                                                                         \
-    assert_int_equal(field_create_from_source(&desc, &source, NULL, &field), SCREE_ERROR_##result); \
-    assert_null(field);                                                                             \
-    undo_change;                                                                                    \
-    (void)desc;                                                                                     \
-    (void)source;                                                                                   \
+#define REFUSED(change, undo_change, result)                                                                 \
+  do {                                                                                                       \
+    scree_field_desc desc = good;                                                                            \
+    field_source source = s.source;                                                                          \
+    change;                                                                                                  \
+    assert_int_equal(scree_rt_field_create_from_source(&desc, &source, NULL, &field), SCREE_ERROR_##result); \
+    assert_null(field);                                                                                      \
+    undo_change;                                                                                             \
+    (void)desc;                                                                                              \
+    (void)source;                                                                                            \
   } while (0)
 #define BROKEN(place, value)                             \
   do {                                                   \
@@ -320,7 +320,7 @@ static void broken_field_tables_are_refused(void** state) {
   BROKEN(s.rocks[9].seed, 2);
 #undef BROKEN
 #undef REFUSED
-  assert_int_equal(field_create_from_source(&good, &s.source, NULL, &field), SCREE_OK);
+  assert_int_equal(scree_rt_field_create_from_source(&good, &s.source, NULL, &field), SCREE_OK);
   scree_field_destroy(field);
   synthetic_destroy(&s);
 }

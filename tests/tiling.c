@@ -50,7 +50,7 @@ static uint32_t find_place(const tiling* lattice, const int32_t cell[3], int32_t
 uint32_t tiling_cell(const tiling* lattice, const int32_t cell[3]) {
   int32_t place[3];
   const uint32_t code = find_place(lattice, cell, place);
-  return lattice_cell(lattice->seeds->n, code, (uint32_t)place[0], (uint32_t)place[1], (uint32_t)place[2]);
+  return scree_rt_lattice_cell(lattice->seeds->n, code, (uint32_t)place[0], (uint32_t)place[1], (uint32_t)place[2]);
 }
 
 const rock_seed* tiling_seeds(const tiling* lattice, const int32_t cell[3], uint32_t* count) {

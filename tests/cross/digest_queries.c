@@ -42,7 +42,7 @@ uint64_t digest_queries(void) {
     random_tree(&shapes, &r, 1 + random_below(&r, RANDOM_MAX_LEAVES), 12);
     scree_field* field = NULL;
     scree_support* support = NULL;
-    if (field_create_from_source(&field_desc, &source.source, NULL, &field) != SCREE_OK ||
+    if (scree_rt_field_create_from_source(&field_desc, &source.source, NULL, &field) != SCREE_OK ||
         scree_support_create(&shapes.desc, NULL, &support, NULL) != SCREE_OK)
       digest = 0;
     for (uint32_t kind = 0; kind < 4 && digest != 0; ++kind) {

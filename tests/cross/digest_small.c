@@ -14,7 +14,7 @@ static uint64_t digest_lattice(void) {
     for (uint32_t code = 0; code < 256; ++code)
       for (uint32_t z = 0; z < n; ++z)
         for (uint32_t y = 0; y < n; ++y)
-          for (uint32_t x = 0; x < n; ++x) digest = hash_combine(digest, lattice_cell(n, code, x, y, z));
+          for (uint32_t x = 0; x < n; ++x) digest = hash_combine(digest, scree_rt_lattice_cell(n, code, x, y, z));
   const int32_t starts[3] = {-8, INT32_MIN, INT32_MAX - 17};
   for (int i = 0; i < 3; ++i)
     for (int32_t z = 0; z < 16; ++z)

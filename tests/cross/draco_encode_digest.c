@@ -7,18 +7,18 @@
 #include "pack_format.h"
 
 scree_result draco_encode(const lattice_mesh* mesh, const scree_allocator* given, rock_lod* out) {
-  const scree_allocator allocator = allocator_or_default(given);
-  *out = (rock_lod){.error = mesh->error, .digest = mesh_digest(NULL, 0, NULL, 0, NULL, 0)};
+  const scree_allocator allocator = scree_rt_allocator_or_default(given);
+  *out = (rock_lod){.error = mesh->error, .digest = scree_rt_mesh_digest(NULL, 0, NULL, 0, NULL, 0)};
   if (mesh->triangle_count == 0) return SCREE_OK;
   const uint32_t size = mesh->triangle_count / PACK_MAX_TRIANGLES_PER_BLOB_BYTE + 1;
-  uint8_t* values = allocate(&allocator, mesh->vertex_count, 1);
-  out->blob = allocate_zeroed(&allocator, size, 1);
+  uint8_t* values = scree_rt_allocate(&allocator, mesh->vertex_count, 1);
+  out->blob = scree_rt_allocate_zeroed(&allocator, size, 1);
   if (values == NULL || out->blob == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
   out->blob_size = size;
   out->vertex_count = mesh->vertex_count;
   out->triangle_count = mesh->triangle_count;
   for (uint32_t i = 0; i < mesh->vertex_count; ++i) values[i] = occlusion_value(occlusion_level(mesh->occlusion[i]));
-  out->digest = mesh_digest(mesh->positions, sizeof *mesh->positions, values, 1, mesh->indices, mesh->triangle_count);
-  release(&allocator, values, mesh->vertex_count, 1);
+  out->digest = scree_rt_mesh_digest(mesh->positions, sizeof *mesh->positions, values, 1, mesh->indices, mesh->triangle_count);
+  scree_rt_release(&allocator, values, mesh->vertex_count, 1);
   return SCREE_OK;
 }

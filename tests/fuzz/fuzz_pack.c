@@ -25,10 +25,10 @@ static void reseal(uint8_t* bytes, size_t size) {
         sections[table[i].kind - 1] = &table[i];
         ++found;
       }
-    header.table_digest = pack_bytes_digest(table, header.section_count * sizeof *table);
-    if (found == PACK_SECTION_KINDS) header.pack_digest = pack_digest(&header, sections);
+    header.table_digest = scree_rt_pack_bytes_digest(table, header.section_count * sizeof *table);
+    if (found == PACK_SECTION_KINDS) header.pack_digest = scree_rt_pack_digest(&header, sections);
   }
-  header.header_check = pack_header_check(&header);
+  header.header_check = scree_rt_pack_header_check(&header);
   memcpy(bytes, &header, sizeof header);
 }
 
