@@ -17,6 +17,12 @@ static void integrate(const mesh_buffer* mesh, int64_t* volume6, int64_t moment2
   }
 }
 
+double mesh_volume(const mesh_buffer* mesh) {
+  int64_t volume6, moment24[3];
+  integrate(mesh, &volume6, moment24);
+  return (double)volume6 / 6;
+}
+
 static double dot(const double a[3], const double b[3]) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }

@@ -247,6 +247,76 @@ static void project(const rock_worker* worker, const voxel_field* fine, const vo
   }
 }
 
+static scree_result reserve_points(rock_mesher* mesher, uint32_t count) {
+  if (count <= mesher->point_capacity) return SCREE_OK;
+  scree_rt_release(mesher->allocator, mesher->points, mesher->point_capacity, sizeof *mesher->points);
+  mesher->point_capacity = 0;
+  mesher->points = scree_rt_allocate(mesher->allocator, (size_t)count * 2, sizeof *mesher->points);
+  if (mesher->points == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
+  mesher->point_capacity = count * 2;
+  return SCREE_OK;
+}
+
+/* Normals of a mesh's vertices at `points`, weighted by area and not unit. Returns twice the area. */
+static double area_normals(const mesh_buffer* mesh, const float* points, float* normals) {
+  memset(normals, 0, (size_t)mesh->vertex_count * 3 * sizeof *normals);
+  double area2 = 0;
+  for (uint32_t i = 0; i < mesh->index_count; i += 3) {
+    const uint32_t* corner = mesh->indices + i;
+    const float *a = points + (size_t)corner[0] * 3, *b = points + (size_t)corner[1] * 3, *c = points + (size_t)corner[2] * 3;
+    const float u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, w[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
+    const float n[3] = {u[1] * w[2] - u[2] * w[1], u[2] * w[0] - u[0] * w[2], u[0] * w[1] - u[1] * w[0]};
+    area2 += sqrtf(length2(n));
+    for (uint32_t k = 0; k < 3; ++k)
+      for (uint32_t axis = 0; axis < 3; ++axis) normals[(size_t)corner[k] * 3 + axis] += n[axis];
+  }
+  return area2;
+}
+
+static bool has_flat_triangle(const mesh_buffer* mesh) {
+  for (uint32_t i = 0; i < mesh->index_count; i += 3) {
+    const int16_t *a = mesh->positions[mesh->indices[i]], *b = mesh->positions[mesh->indices[i + 1]],
+                  *c = mesh->positions[mesh->indices[i + 2]];
+    const int32_t u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, w[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
+    if (u[1] * w[2] == u[2] * w[1] && u[2] * w[0] == u[0] * w[2] && u[0] * w[1] == u[1] * w[0]) return true;
+  }
+  return false;
+}
+
+/* Moves the vertices of a coarse mesh along their normals, all by the same distance, until it holds the volume of the finest one:
+ * with its vertices on the surface a polyhedron lies inside the stone and looks shrunken. `most`: lattice steps. */
+static scree_result match_volume(rock_mesher* mesher, mesh_buffer* mesh, float most) {
+  const uint32_t count = mesh->vertex_count * 3;
+  const scree_result result = reserve_points(mesher, count * 3);
+  if (result != SCREE_OK) return result;
+  float *points = mesher->points, *normals = mesher->points + count, *before = mesher->points + (size_t)2 * count;
+  for (uint32_t v = 0; v < mesh->vertex_count; ++v)
+    for (uint32_t axis = 0; axis < 3; ++axis) points[(size_t)v * 3 + axis] = mesh->positions[v][axis];
+  const double wanted = mesh_volume(&mesher->meshes[0]);
+  memcpy(before, points, count * sizeof *before);
+  float moved = 0;
+  for (uint32_t iteration = 0; iteration < 3; ++iteration) {
+    const double area2 = area_normals(mesh, points, normals);
+    float step = (float)((wanted - mesh_volume(mesh)) * 2 / area2);
+    if (moved + step > most) step = most - moved;
+    if (moved + step < -most) step = -most - moved;
+    moved += step;
+    for (uint32_t v = 0; v < mesh->vertex_count; ++v) {
+      const float* n = normals + (size_t)v * 3;
+      const float squared = length2(n), scale = squared > 0 ? step / sqrtf(squared) : 0;
+      for (uint32_t axis = 0; axis < 3; ++axis) {
+        float* p = &points[(size_t)v * 3 + axis];
+        *p += n[axis] * scale;
+        mesh->positions[v][axis] = (int16_t)floorf(*p + 0.5f);
+      }
+    }
+  }
+  if (has_flat_triangle(mesh))
+    for (uint32_t v = 0; v < mesh->vertex_count; ++v)
+      for (uint32_t axis = 0; axis < 3; ++axis) mesh->positions[v][axis] = (int16_t)before[(size_t)v * 3 + axis];
+  return SCREE_OK;
+}
+
 static void copy_mesh(const mesh_buffer* from, mesh_buffer* to) {
   memcpy(to->positions, from->positions, from->vertex_count * sizeof *to->positions);
   memcpy(to->cells, from->cells, from->vertex_count * sizeof *to->cells);
@@ -256,6 +326,21 @@ static void copy_mesh(const mesh_buffer* from, mesh_buffer* to) {
   to->index_count = from->index_count;
 }
 
+static scree_result repeat_level(rock_mesher* mesher, uint32_t level) {
+  const mesh_buffer* before = &mesher->meshes[level - 1];
+  mesh_buffer* mesh = &mesher->meshes[level];
+  const scree_result result =
+      mesh_buffer_reserve(mesh, before->vertex_count, before->index_count, mesh->voxel_capacity, mesher->allocator);
+  if (result != SCREE_OK) return result;
+  copy_mesh(before, mesh);
+  mesher->errors[level] = mesher->errors[level - 1];
+  return SCREE_OK;
+}
+
+/* A level that holds less or more of the finest one's volume is too coarse for this rock, and the one before it is repeated. */
+#define LEAST_VOLUME 0.8
+#define MOST_VOLUME 1.2
+
 static scree_result mesh_level(rock_mesher* mesher, const rock_worker* worker, const voxel_field* fine, uint32_t level) {
   mesh_buffer* mesh = &mesher->meshes[level];
   voxel_field coarse;
@@ -264,21 +349,18 @@ static scree_result mesh_level(rock_mesher* mesher, const rock_worker* worker, c
   mesher->kernels->sign_rows(coarse.values, coarse.width, count, coarse.rows);
   const float carved = 0.02f * (float)level_steps[level] / (float)worker->seeds->voxels;
   mask_make_well_composed(coarse.rows, coarse.height, coarse.depth, coarse.values, coarse.width, carved);
-  const uint32_t kept =
-      mask_keep_largest(coarse.rows, coarse.height, coarse.depth, coarse.values, coarse.width, carved, coarse.rows + count);
-  if (kept == 0) {
-    const mesh_buffer* before = &mesher->meshes[level - 1];
-    const scree_result result =
-        mesh_buffer_reserve(mesh, before->vertex_count, before->index_count, mesh->voxel_capacity, mesher->allocator);
-    if (result != SCREE_OK) return result;
-    copy_mesh(before, mesh);
-    mesher->errors[level] = mesher->errors[level - 1];
-    return SCREE_OK;
-  }
-  const scree_result result = mesh_field(&coarse, mesh, mesher->allocator);
+  /* Parts that come apart at this step are kept: together they look more like the stone than the largest of them. */
+  uint32_t left = 0;
+  for (uint32_t row = 0; row < count; ++row) left += (uint32_t)__builtin_popcountll(coarse.rows[row]);
+  if (left == 0) return repeat_level(mesher, level);
+  scree_result result = mesh_field(&coarse, mesh, mesher->allocator);
   if (result != SCREE_OK) return result;
   project(worker, fine, &coarse, mesh);
   surface_nets_triangulate(mesh);
+  result = match_volume(mesher, mesh, 0.6f * (float)coarse.step);
+  if (result != SCREE_OK) return result;
+  const double share = mesh_volume(mesh) / mesh_volume(&mesher->meshes[0]);
+  if (share < LEAST_VOLUME || share > MOST_VOLUME) return repeat_level(mesher, level);
   shade(mesher, worker, fine, mesh);
   const uint32_t needed = lod_error_scratch(mesh);
   if (needed > mesher->fan_capacity) {
@@ -305,14 +387,8 @@ scree_result rock_mesh(rock_mesher* mesher, const rock_worker* worker, uint32_t 
   if (result != SCREE_OK) return result;
   surface_nets_triangulate(&mesher->meshes[0]);
   mesher->errors[0] = 0;
-  const uint32_t points = 3 * round_to_lanes(mesher->meshes[0].vertex_count);
-  if (points > mesher->point_capacity) {
-    scree_rt_release(mesher->allocator, mesher->points, mesher->point_capacity, sizeof *mesher->points);
-    mesher->point_capacity = 0;
-    mesher->points = scree_rt_allocate(mesher->allocator, (size_t)points * 2, sizeof *mesher->points);
-    if (mesher->points == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
-    mesher->point_capacity = points * 2;
-  }
+  result = reserve_points(mesher, 3 * round_to_lanes(mesher->meshes[0].vertex_count));
+  if (result != SCREE_OK) return result;
   find_density(mesher, worker);
   shade(mesher, worker, &fine, &mesher->meshes[0]);
   for (uint32_t level = 1; level < lods && result == SCREE_OK; ++level) result = mesh_level(mesher, worker, &fine, level);

@@ -18,7 +18,7 @@ typedef struct rock_mesher {
   float* density;        /* blurred occupancy, for ambient occlusion */
   float* blur;
   uint32_t capacity; /* voxels of the largest grid */
-  float* points;     /* positions of the finest mesh, axis by axis */
+  float* points;     /* scratch: positions and normals */
   uint32_t point_capacity;
   uint32_t* fans; /* triangles around each vertex of a coarse mesh */
   uint32_t fan_capacity;
@@ -30,6 +30,9 @@ void rock_mesher_destroy(rock_mesher* mesher);
 
 /* Meshes the worker's rock: meshes[0 .. lods - 1] and errors. A level too coarse to hold anything repeats the one before it. */
 scree_result rock_mesh(rock_mesher* mesher, const rock_worker* worker, uint32_t lods);
+
+/* Volume inside a closed mesh, cubic lattice steps; exact but for the last division. */
+double mesh_volume(const mesh_buffer* mesh);
 
 /* Bounds, centroid, volume and radii of meshes[0], into the record. */
 void rock_mass(const rock_mesher* mesher, float cells_per_lattice, rock_record* out);

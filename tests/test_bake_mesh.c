@@ -80,12 +80,14 @@ static uint32_t visit_rocks(const scree_recipe* recipe, uint32_t stride, const u
 typedef struct manifold_sum {
   mesh_faults faults[ROCK_MAX_LODS];
   uint64_t triangles[ROCK_MAX_LODS];
-  uint32_t hollow; /* meshes without a volume */
+  uint32_t hollow;          /* meshes without a volume */
+  double least, most, mean; /* volume of a coarse level over that of the finest */
 } manifold_sum;
 
 static void add_faults(const bake_run* bake, const bake_worker* worker, const rock_record* rock, void* context) {
   (void)rock;
   manifold_sum* sum = context;
+  double finest = 0;
   for (uint32_t level = 0; level < bake->recipe.lod_levels; ++level) {
     const twin_mesh mesh = mesh_of(worker, level);
     const mesh_faults faults = mesh_find_faults(&mesh);
@@ -95,15 +97,19 @@ static void add_faults(const bake_run* bake, const bake_worker* worker, const ro
     double volume, centroid[3];
     mesh_mass(&mesh, &volume, centroid);
     sum->hollow += !(volume > 0);
+    if (level == 0) finest = volume;
+    sum->least = fmin(sum->least, volume / finest);
+    sum->most = fmax(sum->most, volume / finest);
+    sum->mean += volume / finest / bake->recipe.lod_levels;
   }
 }
 
-static void every_level_is_a_closed_manifold(void** state) {
+static void every_level_is_a_closed_manifold_that_holds_the_volume_of_the_finest(void** state) {
   (void)state;
   uint32_t all_faults = 0, hollow = 0;
   for (int kind = 0; kind < KINDS; ++kind) {
     const scree_recipe recipe = recipe_of(kind);
-    manifold_sum sum = {0};
+    manifold_sum sum = {.least = 1, .most = 1};
     const uint32_t rocks = visit_rocks(&recipe, kind == 3 ? 4 : 1, NULL, add_faults, &sum);
     for (uint32_t level = 0; level < recipe.lod_levels; ++level) {
       const mesh_faults* f = &sum.faults[level];
@@ -114,7 +120,11 @@ static void every_level_is_a_closed_manifold(void** state) {
           kind_names[kind], level, rocks, (double)sum.triangles[level] / rocks, f->repeated_corners, f->flat_triangles,
           f->shared_edges, f->open_edges, f->pinched_vertices, f->unused_vertices, f->repeated_vertices);
     }
+    print_message("%-11s levels hold %.3f of the finest's volume, %.3f at least, %.3f at most\n", kind_names[kind],
+                  sum.mean / rocks, sum.least, sum.most);
     assert_true(rocks > 1000);
+    assert_true(sum.least > 0.79 && sum.most < 1.21);
+    assert_true(fabs(sum.mean / rocks - 1) < 0.02);
     hollow += sum.hollow;
   }
   assert_int_equal(all_faults, 0);
@@ -482,7 +492,7 @@ static void no_vertex_lies_deep_inside_a_neighbour(void** state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(every_level_is_a_closed_manifold),
+      cmocka_unit_test(every_level_is_a_closed_manifold_that_holds_the_volume_of_the_finest),
       cmocka_unit_test(bounds_mass_and_balls_are_those_of_the_mesh),
       cmocka_unit_test(errors_of_levels_bound_the_distance_to_the_finest),
       cmocka_unit_test(hulls_hold_nearly_all_of_the_mesh),
