@@ -203,8 +203,19 @@ static bool add_to_root(editor* e, scene_node* node) {
   return scene_node_add(field->support, node);
 }
 
+static uint32_t count_nodes(const scene_node* node) {
+  uint32_t count = 1;
+  for (uint32_t i = 0; node != NULL && i < node->child_count; ++i) count += count_nodes(node->children[i]);
+  return node == NULL ? 0 : count;
+}
+
+/* Room for `more` nodes, and a group above them, in a tree that a scene file may hold. */
+static bool has_room(const editor* e, uint32_t more) {
+  return count_nodes(e->scene->fields[e->field].support) + more + 1 <= SCENE_NODES_MAX;
+}
+
 bool edit_add(editor* e, scree_shape_kind kind, const double place[3], double size) {
-  if (e->field >= e->scene->field_count || scene_kind_is_group(kind)) return false;
+  if (e->field >= e->scene->field_count || scene_kind_is_group(kind) || !has_room(e, 1)) return false;
   scene_node* node = scene_node_create(kind);
   if (node == NULL) return false;
   switch (kind) {
@@ -257,7 +268,7 @@ bool edit_delete(editor* e) {
 }
 
 bool edit_duplicate(editor* e) {
-  if (e->node == NULL || e->field >= e->scene->field_count) return false;
+  if (e->node == NULL || e->field >= e->scene->field_count || !has_room(e, count_nodes(e->node))) return false;
   scene_node* copy = scene_node_copy(e->node);
   if (copy == NULL) return false;
   uint32_t index;

@@ -316,6 +316,20 @@ static void undo_takes_back_what_was_never_committed(void** state) {
   bench_close(&b);
 }
 
+static void a_tree_grows_no_larger_than_a_scene_file_holds(void** state) {
+  (void)state;
+  bench b;
+  bench_open(&b);
+  const double place[3] = {0, 0, 0};
+  scene_node* root = root_of(&b, 0);
+  for (uint32_t nodes = 5; nodes < SCENE_NODES_MAX - 2; ++nodes)
+    assert_true(scene_node_add(root, scene_node_create(SCREE_SHAPE_SPHERE)));
+  assert_true(edit_add(&b.edit, SCREE_SHAPE_SPHERE, place, 1));
+  assert_false(edit_add(&b.edit, SCREE_SHAPE_SPHERE, place, 1));
+  assert_false(edit_duplicate(&b.edit));
+  bench_close(&b);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(frames_nest_as_the_support_does),
@@ -329,6 +343,7 @@ int main(void) {
       cmocka_unit_test(duplicate_is_equal_and_beside),
       cmocka_unit_test(undo_and_redo_walk_through_every_state),
       cmocka_unit_test(undo_takes_back_what_was_never_committed),
+      cmocka_unit_test(a_tree_grows_no_larger_than_a_scene_file_holds),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
