@@ -38,50 +38,72 @@ typedef struct scree_transform {
  * threads. |f(p) - f(q)| <= lipschitz * |p - q| must hold, but for rounding. */
 typedef void (*scree_distance_fn)(void* user, const float* x, const float* y, const float* z, float* distance, uint32_t count);
 
+/* The parameters of each kind, in the shape's own space. Lengths in metres. */
+typedef struct scree_sphere {
+  float radius; /* > 0 */
+} scree_sphere;
+
+typedef struct scree_box {
+  float half[3];  /* half extents, > 0 */
+  float rounding; /* of edges, >= 0 and <= the smallest half */
+} scree_box;
+
+typedef struct scree_capsule {
+  float a[3], b[3]; /* ends of the segment */
+  float radius;     /* > 0 */
+} scree_capsule;
+
+typedef struct scree_cylinder {
+  float radius, half_height; /* along Y, both > 0 */
+} scree_cylinder;
+
+typedef struct scree_cone {
+  float radius, height; /* base on the plane y = 0, apex at y = height, both > 0 */
+} scree_cone;
+
+/* A layer along a terrain: bilinear; distances are scaled down by the steepest slope anywhere, so that none is too large. */
+typedef struct scree_heightfield {
+  const float* heights;  /* width * depth, row-major, x fastest then z; copied */
+  uint32_t width, depth; /* samples, each >= 2 */
+  float spacing;         /* between samples, > 0; the field is centred on x = z = 0 */
+  float above, below;    /* the layer reaches from the surface + above to the surface - below; above + below > 0 */
+} scree_heightfield;
+
+/* A closed triangle mesh: each edge used once in each direction; volume > 0; overlapping parts unite. Distances are interpolated
+ * between the samples of a grid, so that details finer than its cells are rounded off. */
+typedef struct scree_mesh {
+  const float* positions;  /* 3 * vertex_count; copied */
+  const uint32_t* indices; /* 3 * triangle_count, counter-clockwise from outside */
+  uint32_t vertex_count, triangle_count;
+  uint32_t resolution; /* cells of the distance grid along the longest side, 0 = 128, 8..512 */
+} scree_mesh;
+
+typedef struct scree_callback {
+  scree_distance_fn distance;
+  void* user;           /* must outlive the support */
+  float lipschitz;      /* >= the true bound; 0 = 1 */
+  float min[3], max[3]; /* box of all points with distance <= 0; outside, a distance counts as at least that to the box */
+} scree_callback;
+
+typedef struct scree_group {
+  const uint32_t* children; /* indices into scree_support_desc.shapes, each greater than this shape's own index */
+  uint32_t child_count;     /* >= 1 */
+  float blend;              /* SMOOTH_UNION: > 0 */
+} scree_group;
+
 typedef struct scree_shape {
   scree_shape_kind kind;
   scree_transform transform;
-  union {
-    struct {
-      float radius;
-    } sphere; /* metres, > 0 */
-    struct {
-      float half[3];
-      float rounding;
-    } box; /* half extents > 0, rounding of edges >= 0 and <= the smallest half */
-    struct {
-      float a[3], b[3], radius;
-    } capsule; /* a segment and a radius > 0 */
-    struct {
-      float radius, half_height;
-    } cylinder; /* along Y, both > 0 */
-    struct {
-      float radius, height;
-    } cone; /* base on the plane y = 0, apex at y = height, both > 0 */
-    struct {
-      const float* heights;  /* width * depth metres, row-major, x fastest then z; copied */
-      uint32_t width, depth; /* samples, each >= 2 */
-      float spacing;         /* metres between samples, > 0; the field is centred on x = z = 0 */
-      float above, below;    /* the layer reaches from the surface + above to the surface - below; metres, above + below > 0 */
-    } heightfield;           /* bilinear; distances are scaled down by the steepest slope anywhere, so that none is too large */
-    struct {
-      const float* positions;  /* 3 * vertex_count; copied */
-      const uint32_t* indices; /* 3 * triangle_count, counter-clockwise from outside */
-      uint32_t vertex_count, triangle_count;
-      uint32_t resolution; /* cells of the distance grid along the longest side, 0 = 128, 8..512 */
-    } mesh; /* closed: each edge used once in each direction; volume > 0; overlapping parts unite. Distances are interpolated
-               between the samples of the grid, so that details finer than its cells are rounded off */
-    struct {
-      scree_distance_fn distance;
-      void* user;           /* must outlive the support */
-      float lipschitz;      /* >= the true bound; 0 = 1 */
-      float min[3], max[3]; /* box of all points with distance <= 0; outside, a distance counts as at least that to the box */
-    } callback;
-    struct {
-      const uint32_t* children; /* indices into scree_support_desc.shapes, each greater than this shape's own index */
-      uint32_t child_count;     /* >= 1 */
-      float blend;              /* SMOOTH_UNION: metres, > 0 */
-    } group;
+  union { /* by kind */
+    scree_sphere sphere;
+    scree_box box;
+    scree_capsule capsule;
+    scree_cylinder cylinder;
+    scree_cone cone;
+    scree_heightfield heightfield;
+    scree_mesh mesh;
+    scree_callback callback;
+    scree_group group; /* UNION, INTERSECTION, DIFFERENCE, SMOOTH_UNION */
   };
 } scree_shape;
 
