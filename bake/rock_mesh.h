@@ -28,7 +28,8 @@ scree_result rock_mesher_create(const rock_worker* worker, uint32_t lattice_per_
                                 rock_mesher* out);
 void rock_mesher_destroy(rock_mesher* mesher);
 
-/* Meshes the worker's rock: meshes[0 .. lods - 1] and errors. A level too coarse to hold anything repeats the one before it. */
+/* Meshes the worker's rock: meshes[0 .. lods - 1] and errors. A level too coarse to hold the finest one's volume
+ * within a fifth repeats the one before it. */
 scree_result rock_mesh(rock_mesher* mesher, const rock_worker* worker, uint32_t lods);
 
 /* Volume inside a closed mesh, cubic lattice steps; exact but for the last division. */

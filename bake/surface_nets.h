@@ -25,8 +25,10 @@ typedef struct mesh_buffer {
   uint32_t vertex_count, index_count;
 } mesh_buffer;
 
-/* Meshes a field. Vertices are rounded to the lattice and kept inside their cubes, so that no two coincide. The buffer must have
- * room for every cube and every edge of the field's surface: surface_nets_bounds says how much. */
+/* Meshes a field. Vertices are rounded down to the lattice: that keeps each inside its own half-open cube, so that no two coincide,
+ * and none is off by more than half a step from where the whole set lies, which is thereby moved by half a step along each axis,
+ * all rocks alike; contacts are rounded the same way. The buffer must have room for every cube and every edge of the field's
+ * surface: surface_nets_bounds says how much. */
 void surface_nets(const voxel_field* field, mesh_buffer* out);
 void surface_nets_bounds(const voxel_field* field, uint32_t* vertices, uint32_t* indices);
 
