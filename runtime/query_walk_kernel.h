@@ -238,7 +238,8 @@ static inline void write_one(const walk* w, const cube_view* c, uint32_t slot, u
 
 static void write_ids(const walk* w, const cube_view* c, uint32_t slot, uint32_t mask, uint64_t to) {
   for (; mask != 0; mask &= mask - 1)
-    w->run->ids[to++] = (scree_id){{c->at[0], c->at[1], c->at[2]}, c->slots.local[slot + (uint32_t)__builtin_ctz(mask)]};
+    w->run->ids[to++] =
+        (scree_id){{c->at[0], c->at[1], c->at[2]}, (uint16_t)c->slots.local[slot + (uint32_t)__builtin_ctz(mask)], 0};
 }
 
 /* Delivers those of 8 slots that the mask has. */

@@ -160,7 +160,8 @@ static scree_result check_group(checker* c, const scree_shape* s, uint32_t shape
 }
 
 static scree_result check_shape(checker* c, const scree_shape* s, uint32_t shape_count) {
-  if ((uint32_t)s->kind > SCREE_SHAPE_SMOOTH_UNION) {
+  bool known = (uint32_t)s->kind <= SCREE_SHAPE_CALLBACK || (s->kind >= SCREE_SHAPE_UNION && s->kind <= SCREE_SHAPE_SMOOTH_UNION);
+  if (!known) {
     say_field(c, "kind", -1);
     scree_rt_text_add(c->error, " ");
     scree_rt_text_add_count(c->error, (uint32_t)s->kind);

@@ -88,7 +88,8 @@ found_rocks twin_query(const scree_query_desc* d, const field_source* source, co
           pending.y[k] = at[1] + (float)((double)r->centroid[1] * h);
           pending.z[k] = at[2] + (float)((double)r->centroid[2] * h);
           pending.mean_radius[k] = (float)(0.5 * ((double)r->inner_radius + (double)r->outer_radius) * h);
-          rock.id.local = (place[0] + (uint32_t)n * (place[1] + (uint32_t)n * place[2])) * source->max_rocks_per_cell + r->seed;
+          rock.id.local =
+              (uint16_t)((place[0] + (uint32_t)n * (place[1] + (uint32_t)n * place[2])) * source->max_rocks_per_cell + r->seed);
           rock.instance.asset = asset;
           pending.rocks[k] = rock;
           if (pending.count == 512) settle(d, depth, &pending, &found, &capacity);

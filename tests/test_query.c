@@ -548,7 +548,7 @@ static void world_hash_is_a_value_of_the_place_alone(void** state) {
   make_field(&t, &r, 5, 1, 1);
   uint32_t bits = 0, same_neighbour = 0, same_field = 0;
   for (int32_t i = 0; i < 1000; ++i) {
-    scree_id id = {{i % 10, i / 10 % 10, -i / 100}, (uint32_t)i % 125}, next = id;
+    scree_id id = {{i % 10, i / 10 % 10, -i / 100}, (uint16_t)(i % 125), 0}, next = id;
     next.local += 1;
     uint32_t hash = scree_world_hash(s.field, &id);
     assert_int_equal(hash, scree_world_hash(s.field, &id));

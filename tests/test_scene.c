@@ -127,7 +127,7 @@ static double random_number(uint64_t* seed, double min, double max) {
 
 static scene_node* random_node(uint64_t* seed, uint32_t depth) {
   uint32_t kind = (uint32_t)random_number(seed, 0, depth < 4 ? 11 : 5);
-  if (kind >= SCREE_SHAPE_CALLBACK) ++kind;
+  if (kind >= SCREE_SHAPE_CALLBACK) kind += SCREE_SHAPE_UNION - SCREE_SHAPE_CALLBACK;
   scene_node* node = scene_node_create((scree_shape_kind)kind);
   for (int i = 0; i < 3; ++i) {
     node->position[i] = random_number(seed, -100, 100);

@@ -73,6 +73,25 @@ typedef struct scree_jobs {
   void* user;
 } scree_jobs;
 
+/* Who runs work in the background. All zero means none: such work is then done inside the call that asks for it. `submit` takes
+ * run(context), to be called once, later, on any thread; it must not block and may call run at once. `help` is called while the
+ * library has to wait for submitted work: it runs some of that work, or yields the processor. Everything submitted must have been
+ * run before the object that submitted it can be destroyed; destroy calls `help` until that is so. */
+typedef struct scree_tasks {
+  void (*submit)(void* user, void (*run)(void* context), void* context);
+  void (*help)(void* user); /* NULL: spin */
+  void* user;
+} scree_tasks;
+
+typedef enum scree_log_level { SCREE_LOG_ERROR = 0, SCREE_LOG_WARNING = 1, SCREE_LOG_INFO = 2 } scree_log_level;
+
+/* Who hears what the library has to say. All zero means nobody. `message` is one line, NUL-terminated, gone after the call. May be
+ * called from any thread that runs a call or a task. */
+typedef struct scree_log {
+  void (*write)(void* user, scree_log_level level, const char* message);
+  void* user;
+} scree_log;
+
 /* One line of text about what went wrong, for people: names the key, the value and what was expected. */
 typedef struct scree_error {
   char message[512]; /* NUL-terminated, no line break */

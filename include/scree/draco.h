@@ -9,15 +9,6 @@
 extern "C" {
 #endif
 
-/* 16 bytes, ready for a vertex buffer. */
-typedef struct scree_vertex {
-  int16_t position[3]; /* lattice steps relative to the home cell's centre; times cell_size / lattice_per_cell = metres */
-  uint8_t occlusion;   /* ambient visibility, 255 = open sky, 0 = wholly hidden; linear */
-  uint8_t material;    /* 0 = rock; others are reserved */
-  int16_t normal[3];   /* unit normal, signed normalised: value / 32767 */
-  int16_t padding;     /* 0 */
-} scree_vertex;
-
 /* Decodes LOD `lod` of rock `asset`.
  *
  * vertices: room for `vertex_capacity` elements. indices: room for `index_capacity` uint16 or uint32 elements, three a triangle,

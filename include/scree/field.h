@@ -33,7 +33,8 @@ typedef struct scree_instance {
 /* The stable name of a rock: never depends on a buffer row, a level of detail, a query or a visit order. 16 bytes. */
 typedef struct scree_id {
   int32_t cube[3]; /* the corner cube whose half-open box holds the rock's home cell */
-  uint32_t local;  /* (x + N (y + N z)) * max_rocks_per_cell + seed, with the cell (x, y, z) in the cube */
+  uint16_t local;  /* (x + N (y + N z)) * max_rocks_per_cell + seed, with the cell (x, y, z) in the cube */
+  uint16_t layer;  /* key of the layer in scenes of several (scene.h); 0 in queries of one field */
 } scree_id;
 
 enum {

@@ -11,6 +11,15 @@ extern "C" {
 
 typedef struct scree_pack scree_pack;
 
+/* A vertex of a mesh, 16 bytes, ready for a vertex buffer. */
+typedef struct scree_vertex {
+  int16_t position[3]; /* lattice steps relative to the home cell's centre; times cell_size / lattice_per_cell = metres */
+  uint8_t occlusion;   /* ambient visibility, 255 = open sky, 0 = wholly hidden; linear */
+  uint8_t material;    /* 0 = rock; others are reserved */
+  int16_t normal[3];   /* unit normal, signed normalised: value / 32767 */
+  int16_t padding;     /* 0 */
+} scree_vertex;
+
 /* Opens a pack that lies in memory. Checks the header and the section table only, so the cost does not depend on the number
  * of assets; everything else is checked where it is read.
  *
@@ -39,6 +48,8 @@ typedef struct scree_pack_info {
   uint32_t cell_count;         /* unique cells: 2 + 12(N-1) + 48(N-1)^2 + 256(N-1)^3 */
   uint32_t asset_count;        /* unique rocks */
   uint32_t lod_count;          /* levels of every asset, finest first, >= 1 */
+  uint32_t proxy_count;        /* merged meshes of tiles, numbered from asset_count on: 256 * 9, or 0 */
+  uint32_t proxy_per_cell;     /* lattice steps per cell of their vertices */
   uint32_t max_rocks_per_cell; /* seeds are numbered below this, so no cell has more rocks; >= 1 */
   float max_radius;            /* largest outer radius of all assets, cells */
   uint64_t digest;             /* of everything baked, however it was encoded; compare this between builds */
@@ -74,7 +85,11 @@ typedef struct scree_asset {
   float outer_radius;     /* ball around the centroid that holds the rock */
   uint32_t contact_count; /* contacts with neighbours */
   uint32_t hull_vertices; /* vertices of the convex hull, 4..64 */
+  uint32_t burial;        /* b: the rock cannot be seen from outside while every rock of the (2b + 1)^3 cells round its own exists;
+                             1..SCREE_BURIAL_NEVER - 1, or SCREE_BURIAL_NEVER */
 } scree_asset;
+
+#define SCREE_BURIAL_NEVER 4
 
 /* Returns SCREE_OK, INVALID_ARGUMENT (asset out of range) or CORRUPT. */
 SCREE_API scree_result scree_pack_get_asset(const scree_pack* pack, uint32_t asset, scree_asset* out);
@@ -85,11 +100,25 @@ typedef struct scree_lod {
   uint32_t triangles;  /* 0 where a rock is too small for the level: then there are no vertices and no blob */
   float error;         /* largest distance from a vertex of LOD 0 to this level's surface, cells; 0 for LOD 0 */
   uint64_t digest;     /* of the canonical mesh, see docs/pack_format.md */
-  const uint8_t* blob; /* Draco bytes, inside the pack */
+  const uint8_t* blob; /* inside the pack: Draco bytes, or at the coarsest level a plain mesh */
   size_t blob_size;
 } scree_lod;
 
+/* Rocks have the levels 0..lod_count - 1. Proxies are meshes too: see scree_pack_proxy. */
 SCREE_API scree_result scree_pack_get_lod(const scree_pack* pack, uint32_t asset, uint32_t lod, scree_lod* out);
+
+/* The coarsest level of a rock or proxy, which needs no decoder: plain vertices and triangles, normals rebuilt as after decoding.
+ * vertices, indices: the sizes that scree_lod says (vertices; 3 * triangles), at least. Returns SCREE_OK, CAPACITY,
+ * INVALID_ARGUMENT or CORRUPT. Allocates nothing. Thread-safe. */
+SCREE_API scree_result scree_pack_coarse_mesh(const scree_pack* pack, uint32_t asset, scree_vertex* vertices,
+                                              size_t vertex_capacity, uint16_t* indices, size_t index_capacity);
+
+/* Proxies: the rocks of a whole tile, or of one of the 8 parts that the halves of its axes make, merged into one closed, coarse
+ * mesh for the far field. Their assets are numbered after the rocks and have the same calls for levels and decoding; their vertices
+ * are in proxy_per_cell lattice steps relative to the centre of the tile's cell (0, 0, 0). code: 0..255. part: 0 = the whole tile,
+ * 1 + x + 2 y + 4 z = the part at the low (0) or high (1) half of each axis, where the low half has (N + 1) / 2 cells. Returns the
+ * asset, or UINT32_MAX if the arguments are out of range or the pack has no proxies. */
+SCREE_API uint32_t scree_pack_proxy(const scree_pack* pack, uint32_t code, uint32_t part);
 
 /* A point that two neighbouring rocks share and erosion spares. */
 typedef struct scree_contact {
