@@ -93,6 +93,37 @@ static void fill_slot(scree_field* field, const field_tile* tile, uint32_t slot,
   if (reach > field->centroid_reach) field->centroid_reach = reach;
 }
 
+static void fill_assets(scree_field* field, const field_source* s) {
+  for (uint32_t i = 0; i < s->asset_count; ++i) {
+    const field_rock* rock = &s->rocks[i];
+    field_asset* asset = &field->assets[i];
+    memcpy(asset->centroid, rock->centroid, sizeof asset->centroid);
+    asset->inner_radius = rock->inner_radius;
+    asset->outer_radius = rock->outer_radius;
+    asset->burial = rock->burial > 0 && rock->burial < SCREE_BURIAL_NEVER ? rock->burial : SCREE_BURIAL_NEVER;
+    if (asset->burial < SCREE_BURIAL_NEVER && asset->burial > field->deepest_burial) field->deepest_burial = asset->burial;
+  }
+}
+
+static bool every_cell_has_one_rock(const field_source* s) {
+  for (uint32_t cell = 0; cell < s->cell_count; ++cell)
+    if (s->cell_first[cell + 1] - s->cell_first[cell] != 1) return false;
+  return true;
+}
+
+static void fill_cells(scree_field* field, const field_source* s) {
+  uint32_t n = field->cells_per_cube;
+  for (uint32_t i = 0; i < n * n * n; ++i) {
+    uint8_t* place = field->cell_places[i];
+    place[0] = (uint8_t)(i % n);
+    place[1] = (uint8_t)(i / n % n);
+    place[2] = (uint8_t)(i / n / n);
+    place[3] = 0;
+  }
+  for (uint32_t i = 0; field->cell_counts != NULL && i < 256 * n * n * n; ++i)
+    field->cell_counts[i] = (uint8_t)(s->cell_first[s->tile_cells[i] + 1] - s->cell_first[s->tile_cells[i]]);
+}
+
 static void fill_tile(scree_field* field, const field_source* s, uint32_t code) {
   uint32_t slot = 0, c[3];
   for (uint32_t b = 0; b < FIELD_BLOCKS; ++b)
@@ -187,11 +218,24 @@ scree_result scree_rt_field_create_from_source(const scree_field_desc* desc, con
   field->rocks = scree_rt_allocate_zeroed(&allocator, field->rock_bytes, 1);
   field->layouts = scree_rt_allocate_zeroed(&allocator, field->layout_bytes, 1);
   field->mean_radius = scree_rt_allocate_zeroed(&allocator, field->mean_radius_count, sizeof *field->mean_radius);
-  if (field->rocks == NULL || field->layouts == NULL || field->mean_radius == NULL) {
+  field->pack = source->pack;
+  field->asset_count = source->asset_count;
+  field->lattice_per_cell = source->lattice_per_cell;
+  field->hull_first = source->hull_first;
+  field->hulls = source->hulls;
+  size_t cells = (size_t)source->cells_per_cube * source->cells_per_cube * source->cells_per_cube;
+  bool single = every_cell_has_one_rock(source);
+  field->assets = scree_rt_allocate_zeroed(&allocator, (size_t)source->asset_count + 1, sizeof *field->assets);
+  field->cell_places = scree_rt_allocate_zeroed(&allocator, cells, sizeof *field->cell_places);
+  if (!single) field->cell_counts = scree_rt_allocate_zeroed(&allocator, 256 * cells, 1);
+  if (field->rocks == NULL || field->layouts == NULL || field->mean_radius == NULL || field->assets == NULL ||
+      field->cell_places == NULL || (!single && field->cell_counts == NULL)) {
     scree_field_destroy(field);
     return SCREE_ERROR_OUT_OF_MEMORY;
   }
   fill_tiles(field, source);
+  fill_assets(field, source);
+  fill_cells(field, source);
   for (uint32_t b = 0; b < FIELD_BLOCKS; ++b) bound_block(field, b);
   *out = field;
   return SCREE_OK;
@@ -203,7 +247,39 @@ void scree_field_destroy(scree_field* field) {
   scree_rt_release(&allocator, field->rocks, field->rock_bytes, 1);
   scree_rt_release(&allocator, field->layouts, field->layout_bytes, 1);
   scree_rt_release(&allocator, field->mean_radius, field->mean_radius_count, sizeof *field->mean_radius);
+  size_t cells = (size_t)field->cells_per_cube * field->cells_per_cube * field->cells_per_cube;
+  scree_rt_release(&allocator, field->assets, (size_t)field->asset_count + 1, sizeof *field->assets);
+  scree_rt_release(&allocator, field->cell_places, cells, sizeof *field->cell_places);
+  scree_rt_release(&allocator, field->cell_counts, 256 * cells, 1);
   scree_rt_release(&allocator, field, 1, sizeof *field);
+}
+
+uint32_t scree_rt_field_hull(const scree_field* field, uint32_t asset, float* x, float* y, float* z) {
+  int16_t copy[FIELD_MAX_HULL][3];
+  const int16_t* from = copy[0];
+  uint32_t count = 0;
+  if (field->pack != NULL) {
+    /* Cannot fail: scree_field_create has looked at every hull. */
+    if (scree_pack_get_hull(field->pack, asset, copy[0], FIELD_MAX_HULL, &count) != SCREE_OK) return 0;
+  } else if (field->hull_first != NULL) {
+    from = field->hulls + (size_t)3 * field->hull_first[asset];
+    count = field->hull_first[asset + 1] - field->hull_first[asset];
+    if (count > FIELD_MAX_HULL) count = FIELD_MAX_HULL;
+  }
+  for (uint32_t i = 0; i < count; ++i) {
+    x[i] = from[3 * i];
+    y[i] = from[3 * i + 1];
+    z[i] = from[3 * i + 2];
+  }
+  return count;
+}
+
+uint32_t scree_rt_field_slot(const scree_field* field, uint32_t code, uint32_t local) {
+  const field_tile* tile = &field->tiles[code];
+  tile_slots slots = field_slots(field, tile);
+  for (uint32_t i = 0; i < tile->block_first[FIELD_BLOCKS]; ++i)
+    if (slots.local[i] == local) return i;
+  return UINT32_MAX;
 }
 
 uint32_t scree_world_hash(const scree_field* field, const scree_id* id) {

@@ -37,6 +37,11 @@ static scree_result read_rocks(const scree_pack* pack, const scree_pack_info* in
     rock->inner_radius = asset.inner_radius;
     rock->outer_radius = asset.outer_radius;
     rock->seed = asset.seed;
+    rock->burial = asset.burial;
+    uint32_t hull = 0;
+    result = scree_pack_get_hull(pack, i, NULL, 0, &hull);
+    if (result != SCREE_OK && result != SCREE_ERROR_CAPACITY) return result;
+    if (hull > FIELD_MAX_HULL) return SCREE_ERROR_CORRUPT;
   }
   return SCREE_OK;
 }
@@ -73,8 +78,16 @@ scree_result scree_field_create(const scree_field_desc* desc, const scree_alloca
     result = read_cells(desc->pack, &info, &tables);
     if (result == SCREE_OK) result = read_rocks(desc->pack, &info, &tables);
     if (result == SCREE_OK) result = read_tiles(desc->pack, &info, &tables);
-    const field_source source = {info.cells_per_cube, info.cell_count,   info.asset_count,  info.max_rocks_per_cell,
-                                 info.max_radius,     tables.tile_cells, tables.cell_first, tables.rocks};
+    const field_source source = {.cells_per_cube = info.cells_per_cube,
+                                 .cell_count = info.cell_count,
+                                 .asset_count = info.asset_count,
+                                 .max_rocks_per_cell = info.max_rocks_per_cell,
+                                 .max_radius = info.max_radius,
+                                 .tile_cells = tables.tile_cells,
+                                 .cell_first = tables.cell_first,
+                                 .rocks = tables.rocks,
+                                 .pack = desc->pack,
+                                 .lattice_per_cell = info.lattice_per_cell};
     if (result == SCREE_OK) result = scree_rt_field_create_from_source(desc, &source, given, out);
   }
   scree_rt_release(&allocator, tables.tile_cells, tile_count, sizeof *tables.tile_cells);

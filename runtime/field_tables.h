@@ -22,6 +22,7 @@ typedef struct field_rock {
   float centroid[3];
   float inner_radius, outer_radius;
   uint32_t seed;
+  uint32_t burial; /* as in scree_asset; 0 = SCREE_BURIAL_NEVER */
 } field_rock;
 
 /* Everything a field takes from a pack. */
@@ -32,7 +33,18 @@ typedef struct field_source {
   const uint32_t* tile_cells; /* [256][N][N][N]: unique cell by code, z, y, x */
   const uint32_t* cell_first; /* cell_count + 1: rocks of cell c are cell_first[c] .. cell_first[c + 1] - 1 */
   const field_rock* rocks;    /* asset_count */
+  const scree_pack* pack;     /* has the hulls; NULL: they are here, or there are none */
+  uint32_t lattice_per_cell;
+  const uint32_t* hull_first; /* asset_count + 1: vertices of asset i's hull are hull_first[i] .. hull_first[i + 1] - 1; or NULL */
+  const int16_t* hulls;       /* 3 a vertex, lattice steps; it and hull_first must outlive the field */
 } field_source;
+
+/* What rules about single rocks read of an asset. Lengths in cells, relative to the centre of the home cell. */
+typedef struct field_asset {
+  float centroid[3];
+  float inner_radius, outer_radius;
+  uint32_t burial; /* 1..SCREE_BURIAL_NEVER */
+} field_asset;
 
 typedef struct field_tile {
   uint32_t rocks; /* its rocks in scree_field.rocks, in units of 16 * FIELD_OCTET bytes */
@@ -62,7 +74,26 @@ struct scree_field {
   uint8_t *rocks, *layouts;
   float* mean_radius; /* parallel to the slots of `rocks`, apart because thresholds of one half do not read it */
   size_t rock_bytes, layout_bytes, mean_radius_count;
+
+  const scree_pack* pack; /* or NULL: a field of a test */
+  field_asset* assets;    /* asset_count */
+  uint32_t asset_count;
+  uint32_t deepest_burial;    /* the largest that is less than SCREE_BURIAL_NEVER; 0 = no rock is ever hidden */
+  uint8_t* cell_counts;       /* rocks of each cell of each tile, [256][N][N][N]; NULL where all have one */
+  uint8_t (*cell_places)[4];  /* (x, y, z, 0) of cell x + N (y + N z); N * N * N */
+  uint32_t lattice_per_cell;  /* of hulls */
+  const uint32_t* hull_first; /* as in field_source */
+  const int16_t* hulls;
 };
+
+enum { FIELD_MAX_HULL = 64 };
+
+/* The hull of an asset (below asset_count): x, y, z get at most FIELD_MAX_HULL each, lattice steps relative to the home cell's
+ * centre. Returns how many. */
+uint32_t scree_rt_field_hull(const scree_field* field, uint32_t asset, float* x, float* y, float* z);
+
+/* The slot of a rock in the tile with this code, or UINT32_MAX when the tile has no such rock. */
+uint32_t scree_rt_field_slot(const scree_field* field, uint32_t code, uint32_t local);
 
 /* Cells of block b along an axis: low .. high - 1. The first half is the larger one. */
 static inline uint32_t block_low(const scree_field* field, uint32_t b, int axis) {

@@ -37,7 +37,14 @@ synthetic_source synthetic_create(uint32_t n, uint32_t seeds_min, uint32_t seeds
     }
   }
   s.cell_first[cells] = rocks;
-  s.source = (field_source){n, cells, rocks, seeds_max, largest, s.tile_cells, s.cell_first, s.rocks};
+  s.source = (field_source){.cells_per_cube = n,
+                            .cell_count = cells,
+                            .asset_count = rocks,
+                            .max_rocks_per_cell = seeds_max,
+                            .max_radius = largest,
+                            .tile_cells = s.tile_cells,
+                            .cell_first = s.cell_first,
+                            .rocks = s.rocks};
   return s;
 }
 
