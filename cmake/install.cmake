@@ -2,7 +2,7 @@
 include(CMakePackageConfigHelpers)
 
 set(SCREE_INSTALLED_LIBRARIES "")
-foreach(target scree_runtime scree_draco scree_bake)
+foreach(target scree_runtime scree_threads scree_draco scree_bake)
   if(TARGET ${target})
     list(APPEND SCREE_INSTALLED_LIBRARIES ${target})
   endif()
