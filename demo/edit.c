@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "scene_support.h"
 #include "stage.h"
 
 /* --- Frames --- */
@@ -65,6 +66,23 @@ bool edit_node_frame(const scene_node* root, const scene_node* node, edit_frame*
 
 /* --- Leaves --- */
 
+/* Round the points and what their radii add. A curve may swing out a little between its points. */
+static bool points_box(const scene_node* node, double min[3], double max[3]) {
+  for (uint32_t i = 0; i < node->point_count; ++i)
+    for (int a = 0; a < 3; ++a) {
+      const scene_point* p = &node->points[i];
+      const double reach =
+          a == 1 && node->kind == SCREE_SHAPE_TUBE && node->tube.half_height > 0 ? node->tube.half_height : p->radius;
+      min[a] = i == 0 ? p->place[a] - reach : fmin(min[a], p->place[a] - reach);
+      max[a] = i == 0 ? p->place[a] + reach : fmax(max[a], p->place[a] + reach);
+    }
+  if (node->kind == SCREE_SHAPE_EXTRUSION) {
+    min[1] = node->extrusion.low;
+    max[1] = node->extrusion.high;
+  }
+  return node->point_count > 0;
+}
+
 bool edit_leaf_box(const scene_node* node, double min[3], double max[3]) {
   double half[3] = {0, 0, 0};
   switch (node->kind) {
@@ -86,6 +104,14 @@ bool edit_leaf_box(const scene_node* node, double min[3], double max[3]) {
         max[a] = fmax(node->capsule.a[a], node->capsule.b[a]) + node->capsule.radius;
       }
       return true;
+    case SCREE_SHAPE_ELLIPSOID: memcpy(half, node->ellipsoid.radii, sizeof half); break;
+    case SCREE_SHAPE_TORUS:
+      half[0] = half[2] = node->torus.radius + node->torus.tube_radius;
+      half[1] = node->torus.tube_radius;
+      break;
+    case SCREE_SHAPE_EXTRUSION:
+    case SCREE_SHAPE_TUBE:
+    case SCREE_SHAPE_BLOBS: return points_box(node, min, max);
     default: return false;
   }
   for (int a = 0; a < 3; ++a) {
@@ -95,46 +121,16 @@ bool edit_leaf_box(const scene_node* node, double min[3], double max[3]) {
   return true;
 }
 
-static double length_of(double x, double y, double z) {
-  return sqrt(x * x + y * y + z * z);
-}
-
-/* Signed distance from a leaf's surface in its own space. Shapes from files: none, they are taken where nothing else is near. */
+/* How far a point of a leaf's own space is from its surface. Shapes from files: no telling, they are taken where nothing else is
+ * near. */
 static double leaf_distance(const scene_node* node, const double p[3]) {
-  const double flat = hypot(p[0], p[2]);
-  switch (node->kind) {
-    case SCREE_SHAPE_SPHERE: return length_of(p[0], p[1], p[2]) - node->sphere.radius;
-    case SCREE_SHAPE_BOX: {
-      double q[3], outside[3];
-      for (int a = 0; a < 3; ++a) {
-        q[a] = fabs(p[a]) - node->box.half[a];
-        outside[a] = fmax(q[a], 0);
-      }
-      return length_of(outside[0], outside[1], outside[2]) + fmin(fmax(q[0], fmax(q[1], q[2])), 0);
-    }
-    case SCREE_SHAPE_CAPSULE: {
-      double along = 0, squared = 0, d[3];
-      for (int a = 0; a < 3; ++a) {
-        double axis = node->capsule.b[a] - node->capsule.a[a];
-        along += (p[a] - node->capsule.a[a]) * axis;
-        squared += axis * axis;
-      }
-      double t = squared > 0 ? fmin(fmax(along / squared, 0), 1) : 0;
-      for (int a = 0; a < 3; ++a) d[a] = p[a] - node->capsule.a[a] - t * (node->capsule.b[a] - node->capsule.a[a]);
-      return length_of(d[0], d[1], d[2]) - node->capsule.radius;
-    }
-    case SCREE_SHAPE_CYLINDER: {
-      double across = flat - node->cylinder.radius, up = fabs(p[1]) - node->cylinder.half_height;
-      return hypot(fmax(across, 0), fmax(up, 0)) + fmin(fmax(across, up), 0);
-    }
-    case SCREE_SHAPE_CONE: {
-      /* Distance from the slanted side or from the base, whichever is farther out: exact but for the rim and the tip. */
-      double slant = hypot(node->cone.radius, node->cone.height);
-      double side = ((flat - node->cone.radius) * node->cone.height + p[1] * node->cone.radius) / slant;
-      return fmax(side, -p[1]);
-    }
-    default: return INFINITY;
-  }
+  scree_support* alone;
+  if (scene_leaf_support(node, &alone) != SCREE_OK) return INFINITY;
+  const float x = (float)p[0], y = (float)p[1], z = (float)p[2];
+  float distance;
+  scree_support_distance(alone, &x, &y, &z, &distance, 1);
+  scree_support_destroy(alone);
+  return fabs((double)distance);
 }
 
 typedef struct leaf_search {
@@ -145,13 +141,13 @@ typedef struct leaf_search {
 
 static void search_leaf(leaf_search* s, const scene_node* node, const edit_frame* above) {
   edit_frame here = within(above, node);
-  if (scene_kind_is_group(node->kind)) {
+  if (scene_kind_has_children(node->kind)) {
     for (uint32_t i = 0; i < node->child_count; ++i) search_leaf(s, node->children[i], &here);
     return;
   }
   double local[3];
   to_local(&here, s->point, local);
-  double distance = fabs(leaf_distance(node, local)) * here.scale;
+  double distance = leaf_distance(node, local) * here.scale;
   if (s->best == NULL || distance < s->best_distance) {
     s->best = node;
     s->best_distance = distance;
@@ -214,9 +210,35 @@ static bool has_room(const editor* e, uint32_t more) {
   return count_nodes(e->scene->fields[e->field].support) + more + 1 <= SCENE_NODES_MAX;
 }
 
+/* Ridges go on for ever: a new pattern comes with the cylinder that cuts it to size. */
+static scene_node* raked_bed(double size) {
+  scene_node* bed = scene_node_create(SCREE_SHAPE_INTERSECTION);
+  scene_node* ridges = scene_node_create(SCREE_SHAPE_PATTERN);
+  scene_node* cut = scene_node_create(SCREE_SHAPE_CYLINDER);
+  if (ridges != NULL) {
+    ridges->pattern.spacing = 0.3 * size;
+    ridges->pattern.radius = 0.12 * size;
+  }
+  if (cut != NULL) {
+    cut->cylinder.radius = size;
+    cut->cylinder.half_height = size;
+  }
+  bool good = bed != NULL && ridges != NULL && cut != NULL;
+  if (good && scene_node_add(bed, ridges)) {
+    ridges = NULL;
+    if (scene_node_add(bed, cut)) return bed;
+  }
+  scene_node_destroy(bed);
+  scene_node_destroy(ridges);
+  scene_node_destroy(cut);
+  return NULL;
+}
+
 bool edit_add(editor* e, scree_shape_kind kind, const double place[3], double size) {
-  if (e->field >= e->scene->field_count || scene_kind_is_group(kind) || !has_room(e, 1)) return false;
-  scene_node* node = scene_node_create(kind);
+  if (e->field >= e->scene->field_count || scene_kind_has_children(kind) || kind == SCREE_SHAPE_HALF_SPACE ||
+      !has_room(e, kind == SCREE_SHAPE_PATTERN ? 3 : 1))
+    return false;
+  scene_node* node = kind == SCREE_SHAPE_PATTERN ? raked_bed(size) : scene_node_create(kind);
   if (node == NULL) return false;
   switch (kind) {
     case SCREE_SHAPE_SPHERE: node->sphere.radius = size; break;
@@ -239,6 +261,21 @@ bool edit_add(editor* e, scree_shape_kind kind, const double place[3], double si
       node->cone.radius = size;
       node->cone.height = 1.5 * size;
       break;
+    case SCREE_SHAPE_ELLIPSOID:
+      for (int a = 0; a < 3; ++a) node->ellipsoid.radii[a] = a == 1 ? 0.6 * size : size;
+      break;
+    case SCREE_SHAPE_TORUS:
+      node->torus.radius = size;
+      node->torus.tube_radius = 0.3 * size;
+      break;
+    case SCREE_SHAPE_EXTRUSION: node->extrusion.high = size; /* fallthrough */
+    case SCREE_SHAPE_TUBE:
+    case SCREE_SHAPE_BLOBS:
+      for (uint32_t i = 0; i < node->point_count; ++i) {
+        for (int a = 0; a < 3; ++a) node->points[i].place[a] *= size;
+        node->points[i].radius *= kind == SCREE_SHAPE_BLOBS ? 2 * size : size;
+      }
+      break;
     default: break;
   }
   if (!add_to_root(e, node)) {
@@ -250,6 +287,35 @@ bool edit_add(editor* e, scree_shape_kind kind, const double place[3], double si
   if (node != e->scene->fields[e->field].support) node->scale = 1 / parent.scale;
   to_local(&parent, place, node->position);
   e->node = node;
+  edit_touch(e, STAGE_SUPPORT);
+  return true;
+}
+
+bool edit_wrap(editor* e, scree_shape_kind kind) {
+  if (e->node == NULL || e->field >= e->scene->field_count || !has_room(e, 1)) return false;
+  if (kind != SCREE_SHAPE_NOISE && kind != SCREE_SHAPE_HALF_SPACE) return false;
+  scene_node** root = &e->scene->fields[e->field].support;
+  uint32_t index = 0;
+  scene_node* parent = parent_of(*root, e->node, &index);
+  if (parent == NULL && *root != e->node) return false;
+  scene_node* wrapper = scene_node_create(kind == SCREE_SHAPE_NOISE ? SCREE_SHAPE_NOISE : SCREE_SHAPE_DIFFERENCE);
+  scene_node* cut = kind == SCREE_SHAPE_NOISE ? NULL : scene_node_create(SCREE_SHAPE_HALF_SPACE);
+  if (wrapper == NULL || (kind != SCREE_SHAPE_NOISE && cut == NULL) || !scene_node_add(wrapper, e->node)) {
+    scene_node_destroy(wrapper);
+    scene_node_destroy(cut);
+    return false;
+  }
+  if (cut != NULL && !scene_node_add(wrapper, cut)) {
+    scene_node_detach(wrapper, 0);
+    scene_node_destroy(wrapper);
+    scene_node_destroy(cut);
+    return false;
+  }
+  /* The place goes to the wrapper, so that a root's stays the support's origin. */
+  memcpy(wrapper->position, e->node->position, sizeof wrapper->position);
+  memset(e->node->position, 0, sizeof e->node->position);
+  *(parent != NULL ? &parent->children[index] : root) = wrapper;
+  e->node = cut != NULL ? cut : wrapper;
   edit_touch(e, STAGE_SUPPORT);
   return true;
 }
@@ -268,11 +334,16 @@ bool edit_delete(editor* e) {
 }
 
 bool edit_duplicate(editor* e) {
-  if (e->node == NULL || e->field >= e->scene->field_count || !has_room(e, count_nodes(e->node))) return false;
-  scene_node* copy = scene_node_copy(e->node);
-  if (copy == NULL) return false;
+  if (e->node == NULL || e->field >= e->scene->field_count) return false;
   uint32_t index;
-  scene_node* parent = parent_of(e->scene->fields[e->field].support, e->node, &index);
+  scene_node* original = e->node;
+  scene_node* parent = parent_of(e->scene->fields[e->field].support, original, &index);
+  while (parent != NULL && parent->kind == SCREE_SHAPE_NOISE) { /* which has room for one shape: the two are copied together */
+    original = parent;
+    parent = parent_of(e->scene->fields[e->field].support, original, &index);
+  }
+  scene_node* copy = has_room(e, count_nodes(original)) ? scene_node_copy(original) : NULL;
+  if (copy == NULL) return false;
   if (!(parent != NULL ? scene_node_add(parent, copy) : add_to_root(e, copy))) {
     scene_node_destroy(copy);
     return false;

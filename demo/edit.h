@@ -69,12 +69,15 @@ bool edit_leaf_box(const scene_node* node, double min[3], double max[3]);
 scene_node* edit_leaf_at(const scene_model* scene, uint32_t field, const double point[3]);
 
 /* Adds a support of this kind to the selected field and selects it. `place`: where it stands, world; `size`: its radius or half its
- * side, metres. A root that is not a union becomes the first child of one. Returns false when memory is short or there is no field.
- */
+ * side, metres. A root that is not a union becomes the first child of one. A pattern comes in an intersection that cuts it to size.
+ * Returns false when memory is short, there is no field, or the kind has children or no end (HALF_SPACE): see edit_wrap. */
 bool edit_add(editor* e, scree_shape_kind kind, const double place[3], double size);
+/* Puts the selected node into noise (NOISE), or cuts off what lies below its place (HALF_SPACE: a difference with one, which is
+ * then selected). Returns false when memory is short or nothing is selected. */
+bool edit_wrap(editor* e, scree_shape_kind kind);
 /* Removes the selected node. The last one of a field cannot go: returns false. */
 bool edit_delete(editor* e);
-/* Copies the selected node beside itself and selects the copy. */
+/* Copies the selected node beside itself, with the noise that it is in, and selects the copy. */
 bool edit_duplicate(editor* e);
 
 /* `eye` and `direction` (not unit) are the ray under the pointer, world; `grabbed` the point that it hit; `height` the pointer's

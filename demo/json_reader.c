@@ -196,6 +196,10 @@ bool json_vector(json_reader* reader, const cJSON* object, const char* key, json
   return good;
 }
 
+bool json_number_value(json_reader* reader, const cJSON* value, json_limits limits, double* out) {
+  return reader->result == SCREE_OK && number_value(reader, NULL, value, limits, out);
+}
+
 static bool integer_value(json_reader* reader, const char* key, const cJSON* value, uint64_t min, uint64_t max, uint64_t* out) {
   double number = cJSON_IsNumber(value) ? value->valuedouble : -1;
   if (!(number >= (double)min && number <= (double)max && floor(number) == number)) {

@@ -55,8 +55,8 @@ static void arc(pen* p, const double centre[3], const double u[3], const double 
   }
 }
 
-static void draw_sphere(pen* p, double r) {
-  const double o[3] = {0, 0, 0}, x[3] = {r, 0, 0}, y[3] = {0, r, 0}, z[3] = {0, 0, r};
+static void draw_ellipsoid(pen* p, const double r[3]) {
+  const double o[3] = {0, 0, 0}, x[3] = {r[0], 0, 0}, y[3] = {0, r[1], 0}, z[3] = {0, 0, r[2]};
   arc(p, o, x, z, 0, 1);
   arc(p, o, x, y, 0, 1);
   arc(p, o, z, y, 0, 1);
@@ -127,6 +127,95 @@ static void draw_round(pen* p, double low, double high, double low_radius, doubl
   }
 }
 
+static void draw_torus(pen* p, double ring, double tube) {
+  for (int side = -1; side <= 1; ++side) {
+    const double r = ring + side * tube, o[3] = {0, 0, 0}, x[3] = {r, 0, 0}, z[3] = {0, 0, r};
+    if (side != 0 && r > 0) arc(p, o, x, z, 0, 1);
+  }
+  for (int i = 0; i < 8; ++i) {
+    const double c = cos(TURN * i / 8), s = sin(TURN * i / 8);
+    const double middle[3] = {ring * c, 0, ring * s}, out[3] = {tube * c, 0, tube * s}, up[3] = {0, tube, 0};
+    arc(p, middle, out, up, 0, 1);
+  }
+}
+
+static void draw_extrusion(pen* p, const scene_node* node) {
+  for (uint32_t i = 0; i < node->point_count; ++i) {
+    const double *a = node->points[i].place, *b = node->points[(i + 1) % node->point_count].place;
+    const double low = node->extrusion.low, high = node->extrusion.high;
+    const double al[3] = {a[0], low, a[2]}, ah[3] = {a[0], high, a[2]}, bl[3] = {b[0], low, b[2]}, bh[3] = {b[0], high, b[2]};
+    line(p, al, bl);
+    line(p, ah, bh);
+    line(p, al, ah);
+  }
+}
+
+/* The corners of a curve's straight pieces are the library's own business: this one goes straight through the points, with a ring,
+ * or a band's cross-section, at each. */
+static void draw_tube(pen* p, const scene_node* node) {
+  const double high = node->tube.half_height;
+  for (uint32_t i = 0; i < node->point_count; ++i) {
+    const scene_point* here = &node->points[i];
+    const scene_point* next = &node->points[(i + 1) % node->point_count];
+    if (i + 1 < node->point_count || node->tube.closed) line(p, here->place, next->place);
+    const double r = here->radius, x[3] = {r, 0, 0}, y[3] = {0, r, 0}, z[3] = {0, 0, r};
+    double low[3], top[3];
+    memcpy(low, here->place, sizeof low);
+    memcpy(top, here->place, sizeof top);
+    low[1] -= high;
+    top[1] += high;
+    arc(p, low, x, z, 0, 1);
+    if (high > 0) {
+      arc(p, top, x, z, 0, 1);
+      line(p, low, top);
+    } else {
+      arc(p, low, x, y, 0, 1);
+      arc(p, low, z, y, 0, 1);
+    }
+  }
+}
+
+/* Each ball's own surface: together they bulge out further. */
+static void draw_blobs(pen* p, const scene_node* node) {
+  for (uint32_t i = 0; i < node->point_count; ++i) {
+    const double r = 0.4543 * node->points[i].radius, x[3] = {r, 0, 0}, y[3] = {0, r, 0}, z[3] = {0, 0, r};
+    arc(p, node->points[i].place, x, z, 0, 1);
+    arc(p, node->points[i].place, x, y, 0, 1);
+    arc(p, node->points[i].place, z, y, 0, 1);
+  }
+}
+
+/* A few of the endless ridges, round the origin. */
+static void draw_pattern(pen* p, const scene_node* node) {
+  enum { RIDGES = 8, STEPS = 64 };
+  const double spacing = node->pattern.spacing, o[3] = {0, 0, 0};
+  for (int i = 0; i < RIDGES; ++i) {
+    if (node->pattern.kind == SCREE_PATTERN_RINGS) {
+      const double r = spacing * (i + 0.5), x[3] = {r, 0, 0}, z[3] = {0, 0, r};
+      arc(p, o, x, z, 0, 1);
+      continue;
+    }
+    const bool waves = node->pattern.kind == SCREE_PATTERN_WAVES;
+    const double length = RIDGES * spacing, swing = waves ? node->pattern.amplitude : 0;
+    double before[3];
+    for (int k = 0; k <= STEPS; ++k) {
+      const double z = length * ((double)k / STEPS - 0.5);
+      const double here[3] = {spacing * (i - RIDGES / 2) + swing * sin(TURN * z / node->pattern.wavelength), 0, z};
+      if (k > 0) line(p, before, here);
+      memcpy(before, here, sizeof before);
+    }
+  }
+}
+
+/* The plane of a half-space, as far as one can see round its origin. */
+static void draw_plane(pen* p) {
+  for (int i = -4; i <= 4; ++i) {
+    const double a[3] = {i, 0, -4}, b[3] = {i, 0, 4}, c[3] = {-4, 0, i}, d[3] = {4, 0, i};
+    line(p, a, b);
+    line(p, c, d);
+  }
+}
+
 static void draw_heights(pen* p, const scene_node* node, const scene_paths* paths, scene_files* files) {
   const height_samples* samples;
   scree_error error;
@@ -169,7 +258,11 @@ static void draw_node(pen* p, const scene_node* root, const scene_node* node, co
   if (!edit_node_frame(root, node, &p->frame, NULL)) return;
   double min[3], max[3];
   switch (node->kind) {
-    case SCREE_SHAPE_SPHERE: draw_sphere(p, node->sphere.radius); break;
+    case SCREE_SHAPE_SPHERE: {
+      const double r = node->sphere.radius, radii[3] = {r, r, r};
+      draw_ellipsoid(p, radii);
+      break;
+    }
     case SCREE_SHAPE_BOX:
       edit_leaf_box(node, min, max);
       draw_box(p, min, max);
@@ -180,6 +273,13 @@ static void draw_node(pen* p, const scene_node* root, const scene_node* node, co
       break;
     case SCREE_SHAPE_CONE: draw_round(p, 0, node->cone.height, node->cone.radius, 0); break;
     case SCREE_SHAPE_HEIGHTFIELD: draw_heights(p, node, paths, files); break;
+    case SCREE_SHAPE_ELLIPSOID: draw_ellipsoid(p, node->ellipsoid.radii); break;
+    case SCREE_SHAPE_HALF_SPACE: draw_plane(p); break;
+    case SCREE_SHAPE_TORUS: draw_torus(p, node->torus.radius, node->torus.tube_radius); break;
+    case SCREE_SHAPE_EXTRUSION: draw_extrusion(p, node); break;
+    case SCREE_SHAPE_TUBE: draw_tube(p, node); break;
+    case SCREE_SHAPE_BLOBS: draw_blobs(p, node); break;
+    case SCREE_SHAPE_PATTERN: draw_pattern(p, node); break;
     case SCREE_SHAPE_MESH: draw_mesh(p, node, paths, files); break;
     default: break;
   }

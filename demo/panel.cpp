@@ -74,7 +74,66 @@ bool drag3(const char* label, double* values, double speed, double limit, const 
                             ImGuiSliderFlags_AlwaysClamp);
 }
 
-const double kSmall = 1e-3, kLarge = 1e4, kFar = 1e9, kTurns = 36000;
+const double kSmall = 1e-3, kLarge = 1e4, kNear = 1e6, kFar = 1e9, kTurns = 36000;
+
+// The points of an extrusion, a tube or blobs: each can be moved, each can go, a new one comes between two or at the end.
+bool point_widgets(scene_node* node) {
+  const bool corners = node->kind == SCREE_SHAPE_EXTRUSION;
+  const scene_point_limits limits = scene_kind_points(node->kind);
+  bool changed = false;
+  for (uint32_t i = 0; i < node->point_count; ++i) {
+    scene_point* point = &node->points[i];
+    ImGui::PushID(static_cast<int>(i));
+    ImGui::PushItemWidth(-90);
+    if (corners) {
+      double xz[2] = {point->place[0], point->place[2]};
+      const double low = -kNear, high = kNear;
+      if (ImGui::DragScalarN("##corner", ImGuiDataType_Double, xz, 2, 0.02f, &low, &high, "%.2f", ImGuiSliderFlags_AlwaysClamp)) {
+        point->place[0] = xz[0];
+        point->place[2] = xz[1];
+        changed = true;
+      }
+    } else {
+      changed |= drag3("##place", point->place, 0.02, kNear);
+    }
+    ImGui::PopItemWidth();
+    ImGui::SameLine();
+    if (node->point_count < limits.most && ImGui::SmallButton("+")) {
+      // Halfway to the next point; behind the last, as far again.
+      const bool last = i + 1 == node->point_count;
+      const scene_point other = node->points[last ? (i > 0 ? i - 1 : i) : i + 1];
+      scene_point added = *point;
+      for (int a = 0; a < 3; ++a)
+        added.place[a] += last && !corners ? point->place[a] - other.place[a] : 0.5 * (other.place[a] - point->place[a]);
+      if (last && node->point_count == 1) added.place[0] += 0.5 * point->radius;
+      changed |= scene_node_add_point(node, i + 1, &added);
+      point = &node->points[i];
+    }
+    ImGui::SameLine();
+    const bool gone = node->point_count > limits.least && ImGui::SmallButton("x") && scene_node_remove_point(node, i);
+    if (!gone && !corners) changed |= drag("radius", &point->radius, 0.02, kSmall, kLarge);
+    ImGui::PopID();
+    changed |= gone;
+    if (gone) break;
+  }
+  return changed;
+}
+
+bool count_widget(const char* label, uint32_t* value, uint32_t low, uint32_t high) {
+  return ImGui::SliderScalar(label, ImGuiDataType_U32, value, &low, &high, "%u", ImGuiSliderFlags_AlwaysClamp);
+}
+
+bool pattern_widgets(scene_node* node) {
+  static const char* const words[] = {"lines", "rings", "waves"};
+  int kind = node->pattern.kind;
+  bool changed = ImGui::Combo("pattern", &kind, words, 3);
+  node->pattern.kind = static_cast<scree_pattern_kind>(kind);
+  changed |= drag("spacing", &node->pattern.spacing, 0.01, kSmall, kLarge);
+  changed |= drag("bars", &node->pattern.radius, 0.005, kSmall, kLarge);
+  if (node->pattern.kind != SCREE_PATTERN_WAVES) return changed;
+  changed |= drag("swing", &node->pattern.amplitude, 0.01, 0, kLarge);
+  return drag("wavelength", &node->pattern.wavelength, 0.02, kSmall, kLarge) || changed;
+}
 
 bool shape_widgets(scene_node* node) {
   bool changed = false;
@@ -110,6 +169,37 @@ bool shape_widgets(scene_node* node) {
       changed |= drag("below", &node->heightfield.below, 0.02, -node->heightfield.above + kSmall, kLarge);
       break;
     case SCREE_SHAPE_MESH: ImGui::TextDisabled("%s", node->mesh.file); break;
+    case SCREE_SHAPE_ELLIPSOID:
+      changed |= drag3("radii", node->ellipsoid.radii, 0.02, kLarge);
+      for (double& radius : node->ellipsoid.radii) radius = std::clamp(radius, kSmall, kLarge);
+      break;
+    case SCREE_SHAPE_TORUS:
+      changed |= drag("radius", &node->torus.radius, 0.02, kSmall, kLarge);
+      changed |= drag("tube radius", &node->torus.tube_radius, 0.01, kSmall, kLarge);
+      break;
+    case SCREE_SHAPE_EXTRUSION:
+      changed |= drag("low", &node->extrusion.low, 0.02, -kLarge, kLarge);
+      changed |= drag("high", &node->extrusion.high, 0.02, -kLarge, kLarge);
+      node->extrusion.high = std::max(node->extrusion.high, node->extrusion.low + kSmall);
+      changed |= point_widgets(node);
+      break;
+    case SCREE_SHAPE_TUBE:
+      changed |= ImGui::Checkbox("closed", &node->tube.closed);
+      changed |= drag("half height", &node->tube.half_height, 0.01, 0, kLarge);
+      if (node->tube.subdivisions == 0) node->tube.subdivisions = 8;
+      changed |= count_widget("pieces", &node->tube.subdivisions, 1, 32);
+      changed |= point_widgets(node);
+      break;
+    case SCREE_SHAPE_BLOBS: changed |= point_widgets(node); break;
+    case SCREE_SHAPE_PATTERN: changed |= pattern_widgets(node); break;
+    case SCREE_SHAPE_NOISE: {
+      static const uint32_t step = 1;
+      changed |= drag("amplitude", &node->noise.amplitude, 0.005, kSmall, kLarge);
+      changed |= drag("wavelength", &node->noise.wavelength, 0.02, kSmall, kLarge);
+      changed |= count_widget("octaves", &node->noise.octaves, 1, 8);
+      changed |= ImGui::InputScalar("noise seed", ImGuiDataType_U32, &node->noise.seed, &step);
+      break;
+    }
     case SCREE_SHAPE_SMOOTH_UNION: changed |= drag("blend", &node->group.blend, 0.01, kSmall, kLarge); break;
     default: break;
   }
@@ -211,13 +301,17 @@ void support_widgets(panel* p, panel_view* v) {
   static const struct {
     const char* name;
     scree_shape_kind kind;
-  } kinds[] = {{"sphere", SCREE_SHAPE_SPHERE},
-               {"box", SCREE_SHAPE_BOX},
-               {"capsule", SCREE_SHAPE_CAPSULE},
-               {"cylinder", SCREE_SHAPE_CYLINDER},
-               {"cone", SCREE_SHAPE_CONE}};
+  } kinds[] = {{"sphere", SCREE_SHAPE_SPHERE},   {"box", SCREE_SHAPE_BOX},
+               {"capsule", SCREE_SHAPE_CAPSULE}, {"cylinder", SCREE_SHAPE_CYLINDER},
+               {"cone", SCREE_SHAPE_CONE},       {"ellipsoid", SCREE_SHAPE_ELLIPSOID},
+               {"torus", SCREE_SHAPE_TORUS},     {"extrusion", SCREE_SHAPE_EXTRUSION},
+               {"tube", SCREE_SHAPE_TUBE},       {"blobs", SCREE_SHAPE_BLOBS},
+               {"pattern", SCREE_SHAPE_PATTERN}};
   for (const auto& kind : kinds) {
+    // As many to a line as fit.
     ImGui::SameLine();
+    if (ImGui::GetContentRegionAvail().x < ImGui::CalcTextSize(kind.name).x + 2 * ImGui::GetStyle().FramePadding.x)
+      ImGui::NewLine();
     if (ImGui::SmallButton(kind.name)) p->edited |= edit_add(e, kind.kind, v->place, v->size);
   }
   if (e->node == nullptr) {
@@ -225,6 +319,10 @@ void support_widgets(panel* p, panel_view* v) {
     return;
   }
   if (ImGui::Button("Duplicate")) p->edited |= edit_duplicate(e);
+  ImGui::SameLine();
+  if (ImGui::Button("Roughen")) p->edited |= edit_wrap(e, SCREE_SHAPE_NOISE);
+  ImGui::SameLine();
+  if (ImGui::Button("Cut flat")) p->edited |= edit_wrap(e, SCREE_SHAPE_HALF_SPACE);
   ImGui::SameLine();
   if (ImGui::Button("Delete") && edit_delete(e)) {
     p->edited = true;

@@ -73,12 +73,50 @@ const char* scene_kind_name(scree_shape_kind kind) {
     case SCREE_SHAPE_HEIGHTFIELD: return "heightfield";
     case SCREE_SHAPE_MESH: return "mesh";
     case SCREE_SHAPE_CALLBACK: break;
+    case SCREE_SHAPE_ELLIPSOID: return "ellipsoid";
+    case SCREE_SHAPE_HALF_SPACE: return "half_space";
+    case SCREE_SHAPE_TORUS: return "torus";
+    case SCREE_SHAPE_EXTRUSION: return "extrusion";
+    case SCREE_SHAPE_TUBE: return "tube";
+    case SCREE_SHAPE_BLOBS: return "blobs";
+    case SCREE_SHAPE_PATTERN: return "pattern";
     case SCREE_SHAPE_UNION: return "union";
     case SCREE_SHAPE_INTERSECTION: return "intersection";
     case SCREE_SHAPE_DIFFERENCE: return "difference";
     case SCREE_SHAPE_SMOOTH_UNION: return "smooth_union";
+    case SCREE_SHAPE_NOISE: return "noise";
   }
   return NULL;
+}
+
+const char* scene_pattern_name(scree_pattern_kind kind) {
+  switch (kind) {
+    case SCREE_PATTERN_LINES: return "lines";
+    case SCREE_PATTERN_RINGS: return "rings";
+    case SCREE_PATTERN_WAVES: return "waves";
+  }
+  return NULL;
+}
+
+scene_point_limits scene_kind_points(scree_shape_kind kind) {
+  switch (kind) {
+    case SCREE_SHAPE_EXTRUSION: return (scene_point_limits){3, SCENE_CORNERS_MAX};
+    case SCREE_SHAPE_TUBE: return (scene_point_limits){2, SCENE_POINTS_MAX};
+    case SCREE_SHAPE_BLOBS: return (scene_point_limits){1, SCENE_POINTS_MAX};
+    default: return (scene_point_limits){0, 0};
+  }
+}
+
+/* What a new shape with points starts from. */
+static bool set_points(scene_node* node) {
+  static const scene_point corners[] = {{{-1, 0, -1}, 0}, {{1, 0, -1}, 0}, {{1, 0, 1}, 0}, {{-1, 0, 1}, 0}};
+  static const scene_point curve[] = {{{-1, 0, 0}, 0.5}, {{1, 0, 0}, 0.5}};
+  static const scene_point balls[] = {{{0, 0, 0}, 1}};
+  const scene_point* points = node->kind == SCREE_SHAPE_EXTRUSION ? corners : node->kind == SCREE_SHAPE_TUBE ? curve : balls;
+  const uint32_t count = node->kind == SCREE_SHAPE_EXTRUSION ? 4 : node->kind == SCREE_SHAPE_TUBE ? 2 : 1;
+  for (uint32_t i = 0; i < count; ++i)
+    if (!scene_node_add_point(node, i, &points[i])) return false;
+  return true;
 }
 
 scene_node* scene_node_create(scree_shape_kind kind) {
@@ -107,12 +145,35 @@ scene_node* scene_node_create(scree_shape_kind kind) {
       node->heightfield.map.high = 1;
       node->heightfield.below = 1;
       break;
+    case SCREE_SHAPE_ELLIPSOID: set3(node->ellipsoid.radii, 1, 1, 1); break;
+    case SCREE_SHAPE_TORUS:
+      node->torus.radius = 1;
+      node->torus.tube_radius = 0.25;
+      break;
+    case SCREE_SHAPE_EXTRUSION: node->extrusion.high = 1; break;
+    case SCREE_SHAPE_PATTERN:
+      node->pattern.spacing = 1;
+      node->pattern.radius = 0.25;
+      node->pattern.wavelength = 1;
+      break;
     case SCREE_SHAPE_SMOOTH_UNION: node->group.blend = 1; break;
+    case SCREE_SHAPE_NOISE:
+      node->noise.amplitude = 0.25;
+      node->noise.wavelength = 1;
+      node->noise.octaves = 1;
+      break;
     case SCREE_SHAPE_MESH:
     case SCREE_SHAPE_CALLBACK:
+    case SCREE_SHAPE_HALF_SPACE:
+    case SCREE_SHAPE_TUBE:
+    case SCREE_SHAPE_BLOBS:
     case SCREE_SHAPE_UNION:
     case SCREE_SHAPE_INTERSECTION:
     case SCREE_SHAPE_DIFFERENCE: break;
+  }
+  if (scene_kind_points(kind).most > 0 && !set_points(node)) {
+    scene_node_destroy(node);
+    return NULL;
   }
   return node;
 }
@@ -121,6 +182,7 @@ void scene_node_destroy(scene_node* node) {
   if (node == NULL) return;
   for (uint32_t i = 0; i < node->child_count; ++i) scene_node_destroy(node->children[i]);
   free(node->children);
+  free(node->points);
   free(node);
 }
 
@@ -130,6 +192,15 @@ scene_node* scene_node_copy(const scene_node* node) {
   *copy = *node;
   copy->children = NULL;
   copy->child_count = 0;
+  copy->points = NULL;
+  if (node->point_count > 0) {
+    copy->points = malloc(node->point_count * sizeof *copy->points);
+    if (copy->points == NULL) {
+      free(copy);
+      return NULL;
+    }
+    memcpy(copy->points, node->points, node->point_count * sizeof *copy->points);
+  }
   for (uint32_t i = 0; i < node->child_count; ++i) {
     scene_node* child = scene_node_copy(node->children[i]);
     if (child == NULL || !scene_node_add(copy, child)) {
@@ -146,6 +217,26 @@ bool scene_node_add(scene_node* parent, scene_node* child) {
   if (grown == NULL) return false;
   parent->children = grown;
   grown[parent->child_count++] = child;
+  return true;
+}
+
+bool scene_node_add_point(scene_node* node, uint32_t index, const scene_point* point) {
+  if (node->point_count >= scene_kind_points(node->kind).most) return false;
+  const scene_point added = *point; /* it may be one of the node's own */
+  scene_point* grown = realloc(node->points, (node->point_count + 1) * sizeof *grown);
+  if (grown == NULL) return false;
+  node->points = grown;
+  if (index > node->point_count) index = node->point_count;
+  memmove(grown + index + 1, grown + index, (node->point_count - index) * sizeof *grown);
+  grown[index] = added;
+  ++node->point_count;
+  return true;
+}
+
+bool scene_node_remove_point(scene_node* node, uint32_t index) {
+  if (index >= node->point_count || node->point_count <= scene_kind_points(node->kind).least) return false;
+  --node->point_count;
+  memmove(node->points + index, node->points + index + 1, (node->point_count - index) * sizeof *node->points);
   return true;
 }
 

@@ -15,14 +15,16 @@ extern "C" {
 #endif
 
 enum {
-  SCENE_NAME_SIZE = 64,       /* bytes of a name with its NUL, UTF-8 */
-  SCENE_FILE_SIZE = 512,      /* bytes of a file name with its NUL */
-  SCENE_PALETTE_MAX = 8,      /* base colours of one field */
-  SCENE_FIELDS_MAX = 64,      /* fields of a scene */
-  SCENE_NODES_MAX = 4096,     /* nodes of one support tree */
-  SCENE_DEPTH_MAX = 64,       /* levels of one support tree */
-  SCENE_CROP_MAX = 16384,     /* samples along a side of a height map */
-  SCENE_MESH_RESOLUTION = 512 /* finest distance grid of a mesh */
+  SCENE_NAME_SIZE = 64,        /* bytes of a name with its NUL, UTF-8 */
+  SCENE_FILE_SIZE = 512,       /* bytes of a file name with its NUL */
+  SCENE_PALETTE_MAX = 8,       /* base colours of one field */
+  SCENE_FIELDS_MAX = 64,       /* fields of a scene */
+  SCENE_NODES_MAX = 4096,      /* nodes of one support tree */
+  SCENE_DEPTH_MAX = 64,        /* levels of one support tree */
+  SCENE_CROP_MAX = 16384,      /* samples along a side of a height map */
+  SCENE_MESH_RESOLUTION = 512, /* finest distance grid of a mesh */
+  SCENE_CORNERS_MAX = 1024,    /* points of an extrusion's polygon */
+  SCENE_POINTS_MAX = 256       /* points of a tube, balls of blobs */
 };
 
 typedef struct scene_camera {
@@ -61,6 +63,12 @@ typedef struct scene_palette {
   double variation;      /* 0..1 */
 } scene_palette;
 
+/* A point of an extrusion (x and z), a tube or blobs (place and radius). */
+typedef struct scene_point {
+  double place[3];
+  double radius;
+} scene_point;
+
 /* One node of a support tree: a shape with its transform (scale, then rotate, then move) or a group of children. Parameters mean
  * what the same members of scree_shape mean. */
 typedef struct scene_node {
@@ -94,10 +102,35 @@ typedef struct scene_node {
       uint32_t resolution;        /* 0 or 8..512 */
     } mesh;
     struct {
+      double radii[3];
+    } ellipsoid;
+    struct {
+      double radius, tube_radius;
+    } torus;
+    struct {
+      double low, high; /* low < high */
+    } extrusion;
+    struct {
+      bool closed;
+      uint32_t subdivisions; /* 0..32 */
+      double half_height;
+    } tube;
+    struct {
+      scree_pattern_kind kind;
+      double spacing, radius, amplitude, wavelength;
+    } pattern;
+    struct {
       double blend; /* SMOOTH_UNION */
     } group;
+    struct {
+      double amplitude, wavelength;
+      uint32_t octaves; /* 1..8 */
+      uint32_t seed;
+    } noise;
   };
-  struct scene_node** children; /* groups only, owned */
+  scene_point* points; /* EXTRUSION, TUBE and BLOBS only, owned, malloc */
+  uint32_t point_count;
+  struct scene_node** children; /* groups, and the one child of NOISE; owned */
   uint32_t child_count;
 } scene_node;
 
@@ -163,12 +196,31 @@ bool scene_node_add(scene_node* parent, scene_node* child);
 /* Takes a child out of its parent: the caller owns it then. */
 scene_node* scene_node_detach(scene_node* parent, uint32_t index);
 
+/* Puts a point before the one at `index`, or behind the last. Returns false when memory is short or the kind holds no more. */
+bool scene_node_add_point(scene_node* node, uint32_t index, const scene_point* point);
+/* Takes a point out. Returns false when the kind needs as many as there are. */
+bool scene_node_remove_point(scene_node* node, uint32_t index);
+
+/* How many points a kind has, both 0 for kinds without. */
+typedef struct scene_point_limits {
+  uint32_t least, most;
+} scene_point_limits;
+scene_point_limits scene_kind_points(scree_shape_kind kind);
+
+/* Groups have any number of children, at least one. */
 static inline bool scene_kind_is_group(scree_shape_kind kind) {
   return kind >= SCREE_SHAPE_UNION && kind <= SCREE_SHAPE_SMOOTH_UNION;
 }
 
+/* Groups, and noise with its one child. */
+static inline bool scene_kind_has_children(scree_shape_kind kind) {
+  return scene_kind_is_group(kind) || kind == SCREE_SHAPE_NOISE;
+}
+
 /* The word of the file format for a kind ("smooth_union"), or NULL. */
 const char* scene_kind_name(scree_shape_kind kind);
+/* The same for a pattern ("lines"). */
+const char* scene_pattern_name(scree_pattern_kind kind);
 
 /* The unit quaternion (x, y, z, w) of a node's rotation. Uses + - * / only, so that it is the same on every machine. */
 void scene_rotation_quaternion(const double degrees[3], double quaternion[4]);

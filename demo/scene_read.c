@@ -119,7 +119,7 @@ static bool read_palette(json_reader* r, const cJSON* value, scene_palette* out)
 }
 
 static bool kind_from_name(const char* name, scree_shape_kind* out) {
-  for (int kind = 0; kind <= SCREE_SHAPE_SMOOTH_UNION; ++kind) {
+  for (int kind = 0; kind <= SCREE_SHAPE_NOISE; ++kind) {
     const char* known = scene_kind_name((scree_shape_kind)kind);
     if (known != NULL && strcmp(known, name) == 0) {
       *out = (scree_shape_kind)kind;
@@ -137,6 +137,14 @@ static const char* const* keys_of_kind(scree_shape_kind kind) {
   static const char* const cone[] = {"radius", "height", NULL};
   static const char* const heightfield[] = {"file", "spacing", "low", "high", "crop", "above", "below", NULL};
   static const char* const mesh[] = {"file", "resolution", NULL};
+  static const char* const ellipsoid[] = {"radii", NULL};
+  static const char* const half_space[] = {NULL};
+  static const char* const torus[] = {"radius", "tube_radius", NULL};
+  static const char* const extrusion[] = {"points", "low", "high", NULL};
+  static const char* const tube[] = {"points", "closed", "subdivisions", "half_height", NULL};
+  static const char* const blobs[] = {"points", NULL};
+  static const char* const pattern[] = {"pattern", "spacing", "radius", "amplitude", "wavelength", NULL};
+  static const char* const noise[] = {"child", "amplitude", "wavelength", "octaves", "seed", NULL};
   static const char* const group[] = {"children", NULL};
   static const char* const smooth[] = {"children", "blend", NULL};
   switch (kind) {
@@ -147,13 +155,92 @@ static const char* const* keys_of_kind(scree_shape_kind kind) {
     case SCREE_SHAPE_CONE: return cone;
     case SCREE_SHAPE_HEIGHTFIELD: return heightfield;
     case SCREE_SHAPE_MESH: return mesh;
+    case SCREE_SHAPE_ELLIPSOID: return ellipsoid;
+    case SCREE_SHAPE_HALF_SPACE: return half_space;
+    case SCREE_SHAPE_TORUS: return torus;
+    case SCREE_SHAPE_EXTRUSION: return extrusion;
+    case SCREE_SHAPE_TUBE: return tube;
+    case SCREE_SHAPE_BLOBS: return blobs;
+    case SCREE_SHAPE_PATTERN: return pattern;
     case SCREE_SHAPE_SMOOTH_UNION: return smooth;
+    case SCREE_SHAPE_NOISE: return noise;
     case SCREE_SHAPE_CALLBACK:
     case SCREE_SHAPE_UNION:
     case SCREE_SHAPE_INTERSECTION:
     case SCREE_SHAPE_DIFFERENCE: break;
   }
   return group;
+}
+
+static const json_limits any_coordinate = {-1e6, 1e6, false, false};
+
+/* An integer that may be absent: *out stays as it is then. */
+static bool small_integer(json_reader* r, const cJSON* object, const char* key, uint32_t min, uint32_t max, uint32_t* out) {
+  uint64_t value = *out;
+  if (!json_integer(r, object, key, min, max, &value)) return false;
+  *out = (uint32_t)value;
+  return true;
+}
+
+/* One point at the current path: `numbers` values, an extrusion's x and z or place and radius. */
+static bool read_point(json_reader* r, const cJSON* item, uint32_t numbers, scene_point* out) {
+  double values[4];
+  char expected[48];
+  snprintf(expected, sizeof expected, "an array of %u numbers", numbers);
+  if (!cJSON_IsArray(item) || cJSON_GetArraySize(item) != (int)numbers) return json_fail_expected(r, NULL, expected, item);
+  uint32_t i = 0;
+  const cJSON* value;
+  cJSON_ArrayForEach(value, item) {
+    size_t before = json_enter_index(r, i);
+    const bool good = json_number_value(r, value, i == 3 ? positive : any_coordinate, &values[i]);
+    json_leave(r, before);
+    if (!good) return false;
+    ++i;
+  }
+  *out = numbers == 2 ? (scene_point){.place = {values[0], 0, values[1]}}
+                      : (scene_point){.place = {values[0], values[1], values[2]}, .radius = values[3]};
+  return true;
+}
+
+static bool read_points(json_reader* r, const cJSON* object, scene_node* node) {
+  const scene_point_limits limits = scene_kind_points(node->kind);
+  if (!require(r, object, "points")) return false;
+  const cJSON* points = cJSON_GetObjectItemCaseSensitive(object, "points");
+  const uint32_t count = cJSON_IsArray(points) ? (uint32_t)cJSON_GetArraySize(points) : 0;
+  if (count < limits.least || count > limits.most) {
+    char expected[48];
+    snprintf(expected, sizeof expected, "an array of %u..%u points", limits.least, limits.most);
+    return json_fail_expected(r, "points", expected, points);
+  }
+  scene_point* read = calloc(count, sizeof *read);
+  if (read == NULL) return json_fail_memory(r);
+  free(node->points);
+  node->points = read;
+  node->point_count = 0;
+  size_t before = json_enter_key(r, "points");
+  const cJSON* item;
+  cJSON_ArrayForEach(item, points) {
+    size_t element = json_enter_index(r, node->point_count);
+    const bool good = read_point(r, item, node->kind == SCREE_SHAPE_EXTRUSION ? 2 : 4, &read[node->point_count]);
+    json_leave(r, element);
+    if (!good) break;
+    ++node->point_count;
+  }
+  json_leave(r, before);
+  return r->result == SCREE_OK;
+}
+
+static bool read_pattern(json_reader* r, const cJSON* value, scene_node* node) {
+  char word[16] = "lines";
+  if (!json_string(r, value, "pattern", sizeof word, word)) return false;
+  int kind = SCREE_PATTERN_LINES;
+  while (kind <= SCREE_PATTERN_WAVES && strcmp(scene_pattern_name((scree_pattern_kind)kind), word) != 0) ++kind;
+  if (kind > SCREE_PATTERN_WAVES) return json_fail(r, "pattern", "expected lines, rings or waves, got \"%s\"", word);
+  node->pattern.kind = (scree_pattern_kind)kind;
+  return positive_number(r, value, "spacing", &node->pattern.spacing) &&
+         positive_number(r, value, "radius", &node->pattern.radius) &&
+         json_number(r, value, "amplitude", not_negative, &node->pattern.amplitude) &&
+         positive_number(r, value, "wavelength", &node->pattern.wavelength);
 }
 
 static bool read_parameters(json_reader* r, const cJSON* value, scene_node* node) {
@@ -190,7 +277,29 @@ static bool read_parameters(json_reader* r, const cJSON* value, scene_node* node
       node->mesh.resolution = (uint32_t)resolution;
       return true;
     }
+    case SCREE_SHAPE_ELLIPSOID: return json_vector(r, value, "radii", positive, 3, node->ellipsoid.radii);
+    case SCREE_SHAPE_TORUS:
+      return positive_number(r, value, "radius", &node->torus.radius) &&
+             positive_number(r, value, "tube_radius", &node->torus.tube_radius);
+    case SCREE_SHAPE_EXTRUSION:
+      if (!read_points(r, value, node) || !json_number(r, value, "low", any_height, &node->extrusion.low) ||
+          !json_number(r, value, "high", any_height, &node->extrusion.high))
+        return false;
+      return node->extrusion.low < node->extrusion.high ||
+             json_fail(r, "high", "expected a number > low (%g), got %g", node->extrusion.low, node->extrusion.high);
+    case SCREE_SHAPE_TUBE:
+      return read_points(r, value, node) && json_bool(r, value, "closed", &node->tube.closed) &&
+             small_integer(r, value, "subdivisions", 1, 32, &node->tube.subdivisions) &&
+             json_number(r, value, "half_height", not_negative, &node->tube.half_height);
+    case SCREE_SHAPE_BLOBS: return read_points(r, value, node);
+    case SCREE_SHAPE_PATTERN: return read_pattern(r, value, node);
     case SCREE_SHAPE_SMOOTH_UNION: return positive_number(r, value, "blend", &node->group.blend);
+    case SCREE_SHAPE_NOISE:
+      return positive_number(r, value, "amplitude", &node->noise.amplitude) &&
+             positive_number(r, value, "wavelength", &node->noise.wavelength) &&
+             small_integer(r, value, "octaves", 1, 8, &node->noise.octaves) &&
+             small_integer(r, value, "seed", 0, UINT32_MAX, &node->noise.seed);
+    case SCREE_SHAPE_HALF_SPACE:
     case SCREE_SHAPE_CALLBACK:
     case SCREE_SHAPE_UNION:
     case SCREE_SHAPE_INTERSECTION:
@@ -201,6 +310,22 @@ static bool read_parameters(json_reader* r, const cJSON* value, scene_node* node
 
 static scene_node* read_node(json_reader* r, const cJSON* value, uint32_t depth, uint32_t* nodes);
 
+/* Hands a child that was read to its parent. */
+static void take_child(json_reader* r, scene_node* parent, scene_node* child) {
+  if (child == NULL || scene_node_add(parent, child)) return;
+  scene_node_destroy(child);
+  json_fail_memory(r);
+}
+
+/* The one child of noise. */
+static bool read_child(json_reader* r, const cJSON* value, uint32_t depth, uint32_t* nodes, scene_node* parent) {
+  if (!require(r, value, "child")) return false;
+  size_t before = json_enter_key(r, "child");
+  take_child(r, parent, read_node(r, cJSON_GetObjectItemCaseSensitive(value, "child"), depth + 1, nodes));
+  json_leave(r, before);
+  return r->result == SCREE_OK;
+}
+
 static bool read_children(json_reader* r, const cJSON* value, uint32_t depth, uint32_t* nodes, scene_node* parent) {
   if (!require(r, value, "children")) return false;
   const cJSON* children = cJSON_GetObjectItemCaseSensitive(value, "children");
@@ -210,11 +335,7 @@ static bool read_children(json_reader* r, const cJSON* value, uint32_t depth, ui
   const cJSON* item;
   cJSON_ArrayForEach(item, children) {
     size_t element = json_enter_index(r, parent->child_count);
-    scene_node* child = read_node(r, item, depth + 1, nodes);
-    if (child != NULL && !scene_node_add(parent, child)) {
-      scene_node_destroy(child);
-      json_fail_memory(r);
-    }
+    take_child(r, parent, read_node(r, item, depth + 1, nodes));
     json_leave(r, element);
     if (r->result != SCREE_OK) break;
   }
@@ -238,8 +359,8 @@ static scene_node* read_node(json_reader* r, const cJSON* value, uint32_t depth,
   if (!require(r, value, "shape") || !json_string(r, value, "shape", sizeof word, word)) return NULL;
   if (!kind_from_name(word, &kind)) {
     json_fail(r, "shape",
-              "expected sphere, box, capsule, cylinder, cone, heightfield, mesh, union, intersection, difference or smooth_union, "
-              "got \"%s\"",
+              "expected sphere, box, capsule, cylinder, cone, heightfield, mesh, ellipsoid, half_space, torus, extrusion, tube, "
+              "blobs, pattern, union, intersection, difference, smooth_union or noise, got \"%s\"",
               word);
     return NULL;
   }
@@ -254,6 +375,7 @@ static scene_node* read_node(json_reader* r, const cJSON* value, uint32_t depth,
               json_vector(r, value, "rotation", any_angle, 3, node->rotation) && positive_number(r, value, "scale", &node->scale) &&
               read_parameters(r, value, node);
   if (good && scene_kind_is_group(kind)) good = read_children(r, value, depth, nodes, node);
+  if (good && kind == SCREE_SHAPE_NOISE) good = read_child(r, value, depth, nodes, node);
   if (good) return node;
   scene_node_destroy(node);
   return NULL;

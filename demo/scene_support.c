@@ -12,7 +12,9 @@ typedef struct builder {
   scree_error* error;
   scree_shape* shapes;
   uint32_t* children; /* all groups' lists of children, one after the other */
+  float* numbers;     /* all lists of points, one after the other */
   uint32_t shape_count, child_count;
+  size_t number_count;
   char where[256]; /* "fields[0].support.children[2]" */
   size_t length;
 } builder;
@@ -20,6 +22,12 @@ typedef struct builder {
 static uint32_t count_nodes(const scene_node* node) {
   uint32_t count = 1;
   for (uint32_t i = 0; i < node->child_count; ++i) count += count_nodes(node->children[i]);
+  return count;
+}
+
+static size_t count_points(const scene_node* node) {
+  size_t count = node->point_count;
+  for (uint32_t i = 0; i < node->child_count; ++i) count += count_points(node->children[i]);
   return count;
 }
 
@@ -63,7 +71,49 @@ static scree_result fill_mesh(builder* b, const scene_node* node, scree_shape* s
   return SCREE_OK;
 }
 
+static float* take_numbers(builder* b, size_t count) {
+  float* numbers = b->numbers + b->number_count;
+  b->number_count += count;
+  return numbers;
+}
+
+static const float* corners_of(builder* b, const scene_node* node) {
+  float* corners = take_numbers(b, (size_t)2 * node->point_count);
+  for (uint32_t i = 0; i < node->point_count; ++i) {
+    corners[2 * i] = (float)node->points[i].place[0];
+    corners[2 * i + 1] = (float)node->points[i].place[2];
+  }
+  return corners;
+}
+
+static const float* places_of(builder* b, const scene_node* node) {
+  float* places = take_numbers(b, (size_t)3 * node->point_count);
+  for (uint32_t i = 0; i < node->point_count; ++i) to_floats(node->points[i].place, places + 3 * i);
+  return places;
+}
+
+static const float* radii_of(builder* b, const scene_node* node) {
+  float* radii = take_numbers(b, node->point_count);
+  for (uint32_t i = 0; i < node->point_count; ++i) radii[i] = (float)node->points[i].radius;
+  return radii;
+}
+
 static scree_result add_node(builder* b, const scene_node* node);
+
+/* Goes down to a child, whose place in the file is `step` below its parent's. number: the child's. */
+static scree_result add_child(builder* b, const scene_node* child, const char* step, uint32_t* number) {
+  size_t before = b->length, length = strlen(step);
+  if (length < sizeof b->where - before) {
+    memcpy(b->where + before, step, length + 1);
+    b->length = before + length;
+  }
+  *number = b->shape_count;
+  scree_result result = add_node(b, child);
+  if (result != SCREE_OK) return result;
+  b->length = before;
+  b->where[before] = '\0';
+  return SCREE_OK;
+}
 
 static scree_result fill_group(builder* b, const scene_node* node, scree_shape* shape) {
   uint32_t* children = b->children + b->child_count;
@@ -74,16 +124,22 @@ static scree_result fill_group(builder* b, const scene_node* node, scree_shape* 
   if (node->child_count == 0)
     return fail_with(b->error, SCREE_ERROR_RANGE, "%s: %s: a group needs at least one shape", b->paths->scene, b->where);
   for (uint32_t i = 0; i < node->child_count; ++i) {
-    size_t before = b->length;
-    int added = snprintf(b->where + before, sizeof b->where - before, ".children[%u]", i);
-    if (added > 0 && (size_t)added < sizeof b->where - before) b->length = before + (size_t)added;
-    children[i] = b->shape_count;
-    scree_result result = add_node(b, node->children[i]);
+    char step[32];
+    snprintf(step, sizeof step, ".children[%u]", i);
+    scree_result result = add_child(b, node->children[i], step, &children[i]);
     if (result != SCREE_OK) return result;
-    b->length = before;
-    b->where[before] = '\0';
   }
   return SCREE_OK;
+}
+
+static scree_result fill_noise(builder* b, const scene_node* node, scree_shape* shape) {
+  shape->noise.amplitude = (float)node->noise.amplitude;
+  shape->noise.wavelength = (float)node->noise.wavelength;
+  shape->noise.octaves = node->noise.octaves;
+  shape->noise.seed = node->noise.seed;
+  if (node->child_count != 1)
+    return fail_with(b->error, SCREE_ERROR_RANGE, "%s: %s: noise needs one shape", b->paths->scene, b->where);
+  return add_child(b, node->children[0], ".child", &shape->noise.child);
 }
 
 static scree_result add_node(builder* b, const scene_node* node) {
@@ -115,6 +171,39 @@ static scree_result add_node(builder* b, const scene_node* node) {
     case SCREE_SHAPE_INTERSECTION:
     case SCREE_SHAPE_DIFFERENCE:
     case SCREE_SHAPE_SMOOTH_UNION: return fill_group(b, node, shape);
+    case SCREE_SHAPE_NOISE: return fill_noise(b, node, shape);
+    case SCREE_SHAPE_ELLIPSOID: to_floats(node->ellipsoid.radii, shape->ellipsoid.radii); break;
+    case SCREE_SHAPE_TORUS:
+      shape->torus.radius = (float)node->torus.radius;
+      shape->torus.tube_radius = (float)node->torus.tube_radius;
+      break;
+    case SCREE_SHAPE_EXTRUSION:
+      shape->extrusion.points = corners_of(b, node);
+      shape->extrusion.point_count = node->point_count;
+      shape->extrusion.low = (float)node->extrusion.low;
+      shape->extrusion.high = (float)node->extrusion.high;
+      break;
+    case SCREE_SHAPE_TUBE:
+      shape->tube.points = places_of(b, node);
+      shape->tube.radii = radii_of(b, node);
+      shape->tube.point_count = node->point_count;
+      shape->tube.closed = node->tube.closed;
+      shape->tube.subdivisions = node->tube.subdivisions;
+      shape->tube.half_height = (float)node->tube.half_height;
+      break;
+    case SCREE_SHAPE_BLOBS:
+      shape->blobs.centres = places_of(b, node);
+      shape->blobs.radii = radii_of(b, node);
+      shape->blobs.count = node->point_count;
+      break;
+    case SCREE_SHAPE_PATTERN:
+      shape->pattern.kind = node->pattern.kind;
+      shape->pattern.spacing = (float)node->pattern.spacing;
+      shape->pattern.radius = (float)node->pattern.radius;
+      shape->pattern.amplitude = (float)node->pattern.amplitude;
+      shape->pattern.wavelength = (float)node->pattern.wavelength;
+      break;
+    case SCREE_SHAPE_HALF_SPACE:
     case SCREE_SHAPE_CALLBACK: break;
   }
   return SCREE_OK;
@@ -129,7 +218,8 @@ static bool path_of_shape(const scene_node* node, uint32_t* number, char* path, 
   }
   --*number;
   for (uint32_t i = 0; i < node->child_count; ++i) {
-    int length = snprintf(path, capacity, ".children[%u]", i);
+    int length =
+        node->kind == SCREE_SHAPE_NOISE ? snprintf(path, capacity, ".child") : snprintf(path, capacity, ".children[%u]", i);
     if (length < 0 || (size_t)length >= capacity) return false;
     if (path_of_shape(node->children[i], number, path + length, capacity - (size_t)length, found)) return true;
   }
@@ -173,14 +263,32 @@ scree_result scene_support_create(const scene_model* scene, uint32_t index, cons
   if (files == NULL) b.files = scene_files_create();
   b.shapes = calloc(count, sizeof *b.shapes);
   b.children = calloc(count, sizeof *b.children);
+  b.numbers = calloc(4 * count_points(root) + 1, sizeof *b.numbers);
   scree_result result;
-  if (b.files == NULL || b.shapes == NULL || b.children == NULL) {
+  if (b.files == NULL || b.shapes == NULL || b.children == NULL || b.numbers == NULL) {
     result = fail_with(error, SCREE_ERROR_OUT_OF_MEMORY, "%s: out of memory", paths->scene);
   } else {
     result = build(&b, root, jobs, out);
   }
   free(b.shapes);
   free(b.children);
+  free(b.numbers);
   if (files == NULL) scene_files_destroy(b.files);
+  return result;
+}
+
+scree_result scene_leaf_support(const scene_node* leaf, scree_support** out) {
+  *out = NULL;
+  if (scene_kind_has_children(leaf->kind) || leaf->kind == SCREE_SHAPE_HEIGHTFIELD || leaf->kind == SCREE_SHAPE_MESH)
+    return SCREE_ERROR_UNSUPPORTED;
+  const scene_paths paths = {.scene = ""};
+  scree_shape shape;
+  builder b = {.paths = &paths, .shapes = &shape, .numbers = calloc((size_t)4 * leaf->point_count + 1, sizeof *b.numbers)};
+  if (b.numbers == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
+  scree_result result = add_node(&b, leaf);
+  shape.transform = (scree_transform){.scale = 1};
+  const scree_support_desc desc = {.shapes = &shape, .shape_count = 1};
+  if (result == SCREE_OK) result = scree_support_create(&desc, NULL, out, NULL);
+  free(b.numbers);
   return result;
 }

@@ -49,6 +49,10 @@ scree_result scene_files_heights(scene_files* files, const scene_paths* paths, c
 scree_result scene_support_create(const scene_model* scene, uint32_t index, const scene_paths* paths, scene_files* files,
                                   const scree_jobs* jobs, scree_support** out, scree_error* error);
 
+/* A leaf alone in its own space, without its transform: what a viewer asks for distances. Returns what scree_support_create
+ * returns, or UNSUPPORTED for groups and shapes from files. */
+scree_result scene_leaf_support(const scene_node* leaf, scree_support** out);
+
 #ifdef __cplusplus
 }
 #endif

@@ -67,6 +67,46 @@ static bool is_zero(const double v[3]) {
   return v[0] == 0 && v[1] == 0 && v[2] == 0;
 }
 
+/* All points on lines of their own, as they are read. */
+static void write_points(text_buffer* t, uint32_t indent, const scene_node* node) {
+  key(t, indent, "points");
+  buffer_add(t, "[\n");
+  for (uint32_t i = 0; i < node->point_count; ++i) {
+    const scene_point* p = &node->points[i];
+    const double corner[2] = {p->place[0], p->place[2]}, ball[4] = {p->place[0], p->place[1], p->place[2], p->radius};
+    const uint32_t numbers = node->kind == SCREE_SHAPE_EXTRUSION ? 2 : 4;
+    buffer_indent(t, indent + 1);
+    buffer_add(t, "[");
+    for (uint32_t k = 0; k < numbers; ++k) {
+      if (k > 0) buffer_add(t, ", ");
+      buffer_number(t, numbers == 2 ? corner[k] : ball[k]);
+    }
+    buffer_add(t, "]");
+    end(t, i + 1 == node->point_count);
+  }
+  buffer_indent(t, indent);
+  buffer_add(t, "]");
+}
+
+static void integer_key(text_buffer* t, uint32_t indent, const char* name, uint32_t value) {
+  key(t, indent, name);
+  buffer_format(t, "%u", value);
+}
+
+static void write_pattern(text_buffer* t, uint32_t indent, const scene_node* node) {
+  string_key(t, indent, "pattern", scene_pattern_name(node->pattern.kind));
+  end(t, false);
+  number_key(t, indent, "spacing", node->pattern.spacing);
+  end(t, false);
+  number_key(t, indent, "radius", node->pattern.radius);
+  /* What only waves have is kept for the other kinds where somebody has set it. */
+  if (node->pattern.kind != SCREE_PATTERN_WAVES && node->pattern.amplitude == 0 && node->pattern.wavelength == 1) return;
+  end(t, false);
+  number_key(t, indent, "amplitude", node->pattern.amplitude);
+  end(t, false);
+  number_key(t, indent, "wavelength", node->pattern.wavelength);
+}
+
 static void write_parameters(text_buffer* t, uint32_t indent, const scene_node* node) {
   switch (node->kind) {
     case SCREE_SHAPE_SPHERE: number_key(t, indent, "radius", node->sphere.radius); break;
@@ -103,13 +143,46 @@ static void write_parameters(text_buffer* t, uint32_t indent, const scene_node* 
       string_key(t, indent, "file", node->mesh.file);
       if (node->mesh.resolution == 0) break;
       end(t, false);
-      key(t, indent, "resolution");
-      buffer_format(t, "%u", node->mesh.resolution);
+      integer_key(t, indent, "resolution", node->mesh.resolution);
       break;
-    case SCREE_SHAPE_SMOOTH_UNION:
-      number_key(t, indent, "blend", node->group.blend);
+    case SCREE_SHAPE_ELLIPSOID: vector_key(t, indent, "radii", node->ellipsoid.radii); break;
+    case SCREE_SHAPE_TORUS:
+      number_key(t, indent, "radius", node->torus.radius);
       end(t, false);
+      number_key(t, indent, "tube_radius", node->torus.tube_radius);
       break;
+    case SCREE_SHAPE_EXTRUSION:
+      write_points(t, indent, node);
+      end(t, false);
+      number_key(t, indent, "low", node->extrusion.low);
+      end(t, false);
+      number_key(t, indent, "high", node->extrusion.high);
+      break;
+    case SCREE_SHAPE_TUBE:
+      write_points(t, indent, node);
+      end(t, false);
+      key(t, indent, "closed");
+      buffer_add(t, node->tube.closed ? "true" : "false");
+      end(t, false);
+      if (node->tube.subdivisions != 0) {
+        integer_key(t, indent, "subdivisions", node->tube.subdivisions);
+        end(t, false);
+      }
+      number_key(t, indent, "half_height", node->tube.half_height);
+      break;
+    case SCREE_SHAPE_BLOBS: write_points(t, indent, node); break;
+    case SCREE_SHAPE_PATTERN: write_pattern(t, indent, node); break;
+    case SCREE_SHAPE_SMOOTH_UNION: number_key(t, indent, "blend", node->group.blend); break;
+    case SCREE_SHAPE_NOISE:
+      number_key(t, indent, "amplitude", node->noise.amplitude);
+      end(t, false);
+      number_key(t, indent, "wavelength", node->noise.wavelength);
+      end(t, false);
+      integer_key(t, indent, "octaves", node->noise.octaves);
+      end(t, false);
+      integer_key(t, indent, "seed", node->noise.seed);
+      break;
+    case SCREE_SHAPE_HALF_SPACE:
     case SCREE_SHAPE_CALLBACK:
     case SCREE_SHAPE_UNION:
     case SCREE_SHAPE_INTERSECTION:
@@ -117,29 +190,36 @@ static void write_parameters(text_buffer* t, uint32_t indent, const scene_node* 
   }
 }
 
+static bool has_parameters(scree_shape_kind kind) {
+  return kind != SCREE_SHAPE_HALF_SPACE && (!scene_kind_is_group(kind) || kind == SCREE_SHAPE_SMOOTH_UNION);
+}
+
 static void write_node(text_buffer* t, uint32_t indent, const scene_node* node) {
   const char* word = scene_kind_name(node->kind);
   buffer_add(t, "{\n");
   string_key(t, indent + 1, "shape", word != NULL ? word : "");
-  end(t, false);
   if (node->name[0] != '\0') {
-    string_key(t, indent + 1, "name", node->name);
     end(t, false);
+    string_key(t, indent + 1, "name", node->name);
   }
   if (!is_zero(node->position)) {
-    vector_key(t, indent + 1, "position", node->position);
     end(t, false);
+    vector_key(t, indent + 1, "position", node->position);
   }
   if (!is_zero(node->rotation)) {
-    vector_key(t, indent + 1, "rotation", node->rotation);
     end(t, false);
+    vector_key(t, indent + 1, "rotation", node->rotation);
   }
   if (node->scale != 1) {
-    number_key(t, indent + 1, "scale", node->scale);
     end(t, false);
+    number_key(t, indent + 1, "scale", node->scale);
   }
-  write_parameters(t, indent + 1, node);
+  if (has_parameters(node->kind)) {
+    end(t, false);
+    write_parameters(t, indent + 1, node);
+  }
   if (scene_kind_is_group(node->kind)) {
+    end(t, false);
     key(t, indent + 1, "children");
     buffer_add(t, "[\n");
     for (uint32_t i = 0; i < node->child_count; ++i) {
@@ -149,6 +229,11 @@ static void write_node(text_buffer* t, uint32_t indent, const scene_node* node) 
     }
     buffer_indent(t, indent + 1);
     buffer_add(t, "]");
+  }
+  if (node->kind == SCREE_SHAPE_NOISE && node->child_count > 0) {
+    end(t, false);
+    key(t, indent + 1, "child");
+    write_node(t, indent + 1, node->children[0]);
   }
   end(t, true);
   buffer_indent(t, indent);

@@ -60,10 +60,18 @@ SHAPES = [
     {"shape": "cone", "radius": 1, "height": 1},
     {"shape": "heightfield", "above": 1, "below": 1, **MAP},
     {"shape": "mesh", "file": "m.off", "resolution": 64},
+    {"shape": "ellipsoid", "radii": [1, 2, 3]},
+    {"shape": "half_space", "name": "below"},
+    {"shape": "torus", "radius": 2, "tube_radius": 0.5},
+    {"shape": "extrusion", "points": [[0, 0], [1, 0], [0, 1]], "low": 0.5, "high": 2},
+    {"shape": "tube", "points": [[0, 0, 0, 1], [1, 0, 0, 0.5]], "closed": True, "subdivisions": 4, "half_height": 1},
+    {"shape": "blobs", "points": [[0, 0, 0, 1], [1, 2, 3, 0.5]]},
+    {"shape": "pattern", "pattern": "waves", "spacing": 1, "radius": 0.5, "amplitude": 0.5, "wavelength": 3},
     {"shape": "union", "children": [SPHERE]},
     {"shape": "intersection", "children": [SPHERE, SPHERE]},
     {"shape": "difference", "children": [SPHERE]},
     {"shape": "smooth_union", "blend": 1, "children": [{"shape": "union", "children": [SPHERE]}]},
+    {"shape": "noise", "amplitude": 0.5, "wavelength": 2, "octaves": 3, "seed": 7, "child": {"shape": "union", "children": [SPHERE]}},
 ]
 
 

@@ -254,6 +254,53 @@ static void duplicate_is_equal_and_beside(void** state) {
   bench_close(&b);
 }
 
+/* Wrapping moves nothing: the wrapped shape stays where it stood. */
+static void wrapped_support_stays_in_place(void** state) {
+  (void)state;
+  static const scree_shape_kind kinds[] = {SCREE_SHAPE_NOISE, SCREE_SHAPE_HALF_SPACE};
+  for (size_t i = 0; i < 2; ++i)
+    for (int which = 0; which < 3; ++which) {
+      bench b;
+      bench_open(&b);
+      scene_node* node = which == 0 ? root_of(&b, 0) : which == 1 ? root_of(&b, 0)->children[1]->children[1] : root_of(&b, 1);
+      b.edit.field = which == 2;
+      b.edit.node = node;
+      edit_frame before, after;
+      assert_true(edit_node_frame(root_of(&b, b.edit.field), node, &before, NULL));
+      assert_true(edit_wrap(&b.edit, kinds[i]));
+      assert_true(edit_node_frame(root_of(&b, b.edit.field), node, &after, NULL));
+      assert_memory_equal(before.rotation, after.rotation, sizeof before.rotation);
+      assert_near(after.translation, before.translation, 1e-9);
+      assert_float_equal(after.scale, before.scale, 1e-12);
+      assert_int_equal(b.edit.node->kind, kinds[i]);
+      assert_int_equal(b.edit.changed[b.edit.field], STAGE_SUPPORT);
+      bench_close(&b);
+    }
+  bench b;
+  bench_open(&b);
+  b.edit.node = root_of(&b, 0);
+  assert_false(edit_wrap(&b.edit, SCREE_SHAPE_UNION));
+  b.edit.node = NULL;
+  assert_false(edit_wrap(&b.edit, SCREE_SHAPE_NOISE));
+  bench_close(&b);
+}
+
+static void noise_is_copied_and_kept_with_its_shape(void** state) {
+  (void)state;
+  bench b;
+  bench_open(&b);
+  b.edit.node = root_of(&b, 0)->children[0];
+  assert_true(edit_wrap(&b.edit, SCREE_SHAPE_NOISE));
+  scene_node* noise = b.edit.node;
+  b.edit.node = noise->children[0];
+  assert_false(edit_delete(&b.edit)); /* noise without a shape is no support */
+  assert_true(edit_duplicate(&b.edit));
+  assert_int_equal(noise->child_count, 1);
+  assert_int_equal(b.edit.node->kind, SCREE_SHAPE_NOISE);
+  assert_int_equal(root_of(&b, 0)->child_count, 3);
+  bench_close(&b);
+}
+
 static char* text_of(const bench* b) {
   char* text = scene_write(&b->scene, NULL);
   assert_non_null(text);
@@ -341,6 +388,8 @@ int main(void) {
       cmocka_unit_test(added_support_stands_where_it_was_put),
       cmocka_unit_test(a_field_keeps_its_last_support),
       cmocka_unit_test(duplicate_is_equal_and_beside),
+      cmocka_unit_test(wrapped_support_stays_in_place),
+      cmocka_unit_test(noise_is_copied_and_kept_with_its_shape),
       cmocka_unit_test(undo_and_redo_walk_through_every_state),
       cmocka_unit_test(undo_takes_back_what_was_never_committed),
       cmocka_unit_test(a_tree_grows_no_larger_than_a_scene_file_holds),

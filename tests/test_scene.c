@@ -33,6 +33,14 @@ static const char everything[] =
     "   {\"shape\": \"cylinder\", \"radius\": 1.5, \"half_height\": 2.5}, {\"shape\": \"cone\", \"radius\": 3, \"height\": 4}]},"
     "  {\"shape\": \"heightfield\", \"file\": \"h.png\", \"spacing\": 2, \"low\": 0, \"high\": 10, \"above\": 1, \"below\": 0.5},"
     "  {\"shape\": \"mesh\", \"file\": \"m.off\", \"resolution\": 64, \"scale\": 12},"
+    "  {\"shape\": \"ellipsoid\", \"radii\": [1, 2, 3]}, {\"shape\": \"torus\", \"radius\": 2, \"tube_radius\": 0.5},"
+    "  {\"shape\": \"extrusion\", \"points\": [[0, 0], [1, 0.5], [0, 1]], \"low\": -1, \"high\": 2},"
+    "  {\"shape\": \"tube\", \"points\": [[0, 1, 2, 0.5], [3, 4, 5, 0.25], [6, 7, 8, 0.125]], \"closed\": true,"
+    "   \"subdivisions\": 12, \"half_height\": 0.75},"
+    "  {\"shape\": \"blobs\", \"points\": [[9, 8, 7, 6]]},"
+    "  {\"shape\": \"pattern\", \"pattern\": \"waves\", \"spacing\": 0.5, \"radius\": 0.1, \"amplitude\": 0.3, \"wavelength\": 4},"
+    "  {\"shape\": \"noise\", \"amplitude\": 0.2, \"wavelength\": 3, \"octaves\": 4, \"seed\": 4294967295,"
+    "   \"child\": {\"shape\": \"intersection\", \"children\": [{\"shape\": \"half_space\"}, {\"shape\": \"pattern\"}]}},"
     "  {\"shape\": \"union\", \"children\": [{\"shape\": \"sphere\"}]},"
     "  {\"shape\": \"intersection\", \"children\": [{\"shape\": \"box\"}]}]}},"
     " {\"pack\": \"x.scree\", \"support\": {\"shape\": \"cone\"}}]}";
@@ -59,12 +67,22 @@ static void every_key_is_read(void** state) {
   assert_true(field->seed == UINT64_C(9007199254740992) && field->cell_size == 0.6 && field->threshold == 0.25 && !field->shell);
   assert_true(field->palette.colour_count == 2 && field->palette.variation == 0.5);
   assert_int_equal(field->support->kind, SCREE_SHAPE_DIFFERENCE);
-  assert_int_equal(field->support->child_count, 5);
+  assert_int_equal(field->support->child_count, 12);
   const scene_node* smooth = field->support->children[0];
   assert_true(smooth->group.blend == 0.75 && smooth->rotation[2] == -30 && smooth->child_count == 5);
   assert_true(smooth->children[1]->box.half[2] == 3 && smooth->children[1]->box.rounding == 0.5);
   assert_true(smooth->children[2]->capsule.b[1] == 2 && smooth->children[3]->cylinder.half_height == 2.5);
   assert_true(field->support->children[2]->scale == 12 && field->support->children[2]->mesh.resolution == 64);
+  scene_node* const* children = field->support->children;
+  assert_true(children[3]->ellipsoid.radii[1] == 2 && children[4]->torus.tube_radius == 0.5);
+  assert_true(children[5]->point_count == 3 && children[5]->points[1].place[0] == 1 && children[5]->points[1].place[2] == 0.5);
+  assert_true(children[5]->extrusion.low == -1 && children[5]->extrusion.high == 2);
+  assert_true(children[6]->point_count == 3 && children[6]->points[2].place[1] == 7 && children[6]->points[2].radius == 0.125);
+  assert_true(children[6]->tube.closed && children[6]->tube.subdivisions == 12 && children[6]->tube.half_height == 0.75);
+  assert_true(children[7]->point_count == 1 && children[7]->points[0].place[0] == 9 && children[7]->points[0].radius == 6);
+  assert_true(children[8]->pattern.kind == SCREE_PATTERN_WAVES && children[8]->pattern.wavelength == 4);
+  assert_true(children[9]->noise.seed == UINT32_MAX && children[9]->noise.octaves == 4 && children[9]->child_count == 1);
+  assert_int_equal(children[9]->children[0]->children[0]->kind, SCREE_SHAPE_HALF_SPACE);
   assert_true(scene.fields[1].shell && scene.fields[1].threshold == 0.5 && scene.fields[1].palette.colour_count == 4);
   scene_destroy(&scene);
 }
@@ -126,27 +144,63 @@ static double random_number(uint64_t* seed, double min, double max) {
 }
 
 static scene_node* random_node(uint64_t* seed, uint32_t depth) {
-  uint32_t kind = (uint32_t)random_number(seed, 0, depth < 4 ? 11 : 5);
-  if (kind >= SCREE_SHAPE_CALLBACK) kind += SCREE_SHAPE_UNION - SCREE_SHAPE_CALLBACK;
-  scene_node* node = scene_node_create((scree_shape_kind)kind);
+  static const scree_shape_kind kinds[] = {
+      SCREE_SHAPE_SPHERE,     SCREE_SHAPE_BOX,          SCREE_SHAPE_CAPSULE,      SCREE_SHAPE_CYLINDER,  SCREE_SHAPE_CONE,
+      SCREE_SHAPE_ELLIPSOID,  SCREE_SHAPE_TORUS,        SCREE_SHAPE_HALF_SPACE,   SCREE_SHAPE_EXTRUSION, SCREE_SHAPE_TUBE,
+      SCREE_SHAPE_BLOBS,      SCREE_SHAPE_PATTERN,      SCREE_SHAPE_HEIGHTFIELD,  SCREE_SHAPE_MESH,      SCREE_SHAPE_UNION,
+      SCREE_SHAPE_DIFFERENCE, SCREE_SHAPE_INTERSECTION, SCREE_SHAPE_SMOOTH_UNION, SCREE_SHAPE_NOISE};
+  enum { KINDS = sizeof kinds / sizeof *kinds, LEAVES = 14 };
+  scene_node* node = scene_node_create(kinds[(uint32_t)random_number(seed, 0, depth < 4 ? KINDS : LEAVES)]);
   for (int i = 0; i < 3; ++i) {
     node->position[i] = random_number(seed, -100, 100);
     node->rotation[i] = random_number(seed, -360, 360);
   }
   node->scale = random_number(seed, 0.001, 100);
-  snprintf(node->name, sizeof node->name, "node %u", kind);
+  snprintf(node->name, sizeof node->name, "node %d", (int)node->kind);
   switch (node->kind) {
     case SCREE_SHAPE_SPHERE: node->sphere.radius = random_number(seed, 0.1, 9); break;
     case SCREE_SHAPE_BOX: node->box.half[1] = random_number(seed, 0.1, 9); break;
     case SCREE_SHAPE_HEIGHTFIELD: strcpy(node->heightfield.map.file, "map.png"); break;
     case SCREE_SHAPE_MESH: strcpy(node->mesh.file, "mesh \\ \"x\".obj"); break;
+    case SCREE_SHAPE_PATTERN: node->pattern.kind = (scree_pattern_kind)random_number(seed, 0, 3); break;
     default: break;
   }
-  if (scene_kind_is_group(node->kind)) {
-    uint32_t count = 1 + (uint32_t)random_number(seed, 0, 3);
+  const bool flat = node->kind == SCREE_SHAPE_EXTRUSION;
+  for (uint32_t more = scene_kind_points(node->kind).most > 0 ? (uint32_t)random_number(seed, 0, 9) : 0; more > 0; --more) {
+    const scene_point point = {{random_number(seed, -9, 9), flat ? 0 : random_number(seed, -9, 9), random_number(seed, -9, 9)},
+                               flat ? 0 : random_number(seed, 0.1, 5)};
+    assert_true(scene_node_add_point(node, (uint32_t)random_number(seed, 0, 3), &point));
+  }
+  if (scene_kind_has_children(node->kind)) {
+    uint32_t count = scene_kind_is_group(node->kind) ? 1 + (uint32_t)random_number(seed, 0, 3) : 1;
     for (uint32_t i = 0; i < count; ++i) assert_true(scene_node_add(node, random_node(seed, depth + 1)));
   }
   return node;
+}
+
+static void points_come_and_go_within_their_limits(void** state) {
+  (void)state;
+  static const scree_shape_kind kinds[] = {SCREE_SHAPE_EXTRUSION, SCREE_SHAPE_TUBE, SCREE_SHAPE_BLOBS};
+  for (size_t k = 0; k < 3; ++k) {
+    scene_node* node = scene_node_create(kinds[k]);
+    const scene_point_limits limits = scene_kind_points(kinds[k]);
+    assert_in_range(node->point_count, limits.least, limits.most);
+    const scene_point added = {{7, 0, 0}, 1};
+    assert_true(scene_node_add_point(node, 0, &added));
+    assert_true(scene_node_add_point(node, 1, &node->points[0]));
+    assert_true(node->points[0].place[0] == 7 && node->points[1].place[0] == 7 && node->points[2].place[0] != 7);
+    while (node->point_count < limits.most) assert_true(scene_node_add_point(node, UINT32_MAX, &added));
+    assert_false(scene_node_add_point(node, 0, &added));
+    assert_false(scene_node_remove_point(node, limits.most));
+    while (node->point_count > limits.least) assert_true(scene_node_remove_point(node, 0));
+    assert_false(scene_node_remove_point(node, 0));
+    assert_true(node->points[0].place[0] == 7);
+    scene_node_destroy(node);
+  }
+  scene_node* ball = scene_node_create(SCREE_SHAPE_SPHERE);
+  const scene_point point = {{0, 0, 0}, 1};
+  assert_false(scene_node_add_point(ball, 0, &point));
+  scene_node_destroy(ball);
 }
 
 static void random_scenes_survive_writing_and_reading(void** state) {
@@ -290,8 +344,30 @@ static void wrong_scene_is_refused_by_name_and_key(void** state) {
       {WITH_NODE("[]"), "s.json: fields[0].support: expected an object, got an array of 0"},
       {WITH_NODE("{}"), "s.json: fields[0].support.shape: key is missing"},
       {WITH_NODE("{\"shape\": \"callback\"}"),
-       "s.json: fields[0].support.shape: expected sphere, box, capsule, cylinder, cone, heightfield, mesh, union, intersection, "
-       "difference or smooth_union, got \"callback\""},
+       "s.json: fields[0].support.shape: expected sphere, box, capsule, cylinder, cone, heightfield, mesh, ellipsoid, half_space, "
+       "torus, extrusion, tube, blobs, pattern, union, intersection, difference, smooth_union or noise, got \"callback\""},
+      {WITH_NODE("{\"shape\": \"half_space\", \"radius\": 1}"), "s.json: fields[0].support.radius: unknown key"},
+      {WITH_NODE("{\"shape\": \"tube\"}"), "s.json: fields[0].support.points: key is missing"},
+      {WITH_NODE("{\"shape\": \"tube\", \"points\": [[0, 0, 0, 1]]}"),
+       "s.json: fields[0].support.points: expected an array of 2..256 points, got an array of 1"},
+      {WITH_NODE("{\"shape\": \"tube\", \"points\": [[0, 0, 0, 1], [0, 0, 0]]}"),
+       "s.json: fields[0].support.points[1]: expected an array of 4 numbers, got an array of 3"},
+      {WITH_NODE("{\"shape\": \"tube\", \"points\": [[0, 0, 0, 1], [0, 0, 1, 0]]}"),
+       "s.json: fields[0].support.points[1][3]: expected a number > 0 and <= 1e+06, got 0"},
+      {WITH_NODE("{\"shape\": \"extrusion\", \"points\": [[0, 0], [0, 1], [1, \"x\"]]}"),
+       "s.json: fields[0].support.points[2][1]: expected a number in -1e+06..1e+06, got \"x\""},
+      {WITH_NODE("{\"shape\": \"extrusion\", \"points\": [[0, 0], [0, 1], [1, 1]], \"low\": 2}"),
+       "s.json: fields[0].support.high: expected a number > low (2), got 1"},
+      {WITH_NODE("{\"shape\": \"blobs\", \"points\": []}"),
+       "s.json: fields[0].support.points: expected an array of 1..256 points, got an array of 0"},
+      {WITH_NODE("{\"shape\": \"pattern\", \"pattern\": \"dots\"}"),
+       "s.json: fields[0].support.pattern: expected lines, rings or waves, got \"dots\""},
+      {WITH_NODE("{\"shape\": \"noise\"}"), "s.json: fields[0].support.child: key is missing"},
+      {WITH_NODE("{\"shape\": \"noise\", \"octaves\": 9, \"child\": {\"shape\": \"box\"}}"),
+       "s.json: fields[0].support.octaves: expected a whole number in 1..8, got 9"},
+      {WITH_NODE(
+           "{\"shape\": \"noise\", \"child\": {\"shape\": \"noise\", \"child\": {\"shape\": \"torus\", \"tube_radius\": -1}}}"),
+       "s.json: fields[0].support.child.child.tube_radius: expected a number > 0, got -1"},
       {WITH_NODE("{\"shape\": \"sphere\", \"radius\": \"a\"}"),
        "s.json: fields[0].support.radius: expected a number > 0, got \"a\""},
       {WITH_NODE("{\"shape\": \"sphere\", \"half\": 1}"), "s.json: fields[0].support.half: unknown key"},
@@ -434,6 +510,7 @@ int main(void) {
       cmocka_unit_test(written_scene_reads_back_the_same),
       cmocka_unit_test(writing_keeps_every_value),
       cmocka_unit_test(random_scenes_survive_writing_and_reading),
+      cmocka_unit_test(points_come_and_go_within_their_limits),
       cmocka_unit_test(copied_node_is_equal_and_independent),
       cmocka_unit_test(detached_child_leaves_its_parent),
       cmocka_unit_test(removed_field_leaves_the_others),
