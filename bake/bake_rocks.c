@@ -9,6 +9,7 @@
 #include "draco_encode.h"
 #include "lattice.h"
 #include "pack_writer.h"
+#include "plain_encode.h"
 #include "recipe.h"
 
 #define TILES 256
@@ -155,6 +156,7 @@ scree_result bake_rock(bake_run* bake, bake_worker* worker, uint32_t cell, uint3
   if (result != SCREE_OK) return result;
   out->cell = cell;
   out->seed = seed;
+  out->burial = SCREE_BURIAL_NEVER;
   rock_mass(&worker->mesher, 1.0f / (float)(recipe->lattice_steps * recipe->voxels_per_cell), out);
   int16_t hull[ROCK_MAX_HULL][3];
   const uint32_t hull_count = rock_hull(&worker->mesher, recipe->hull_vertices, hull);
@@ -169,7 +171,8 @@ scree_result bake_rock(bake_run* bake, bake_worker* worker, uint32_t cell, uint3
     const mesh_buffer* mesh = &worker->mesher.meshes[level];
     const lattice_mesh source = {mesh->positions,    mesh->occlusion,       mesh->indices,
                                  mesh->vertex_count, mesh->index_count / 3, worker->mesher.errors[level]};
-    result = draco_encode(&source, &bake->allocator, &out->lods[level]);
+    const bool coarsest = level + 1 == recipe->lod_levels;
+    result = (coarsest ? plain_encode : draco_encode)(&source, &bake->allocator, &out->lods[level]);
     out->lods[level].error = source.error;
   }
   worker->encode_seconds += clock_seconds() - now;

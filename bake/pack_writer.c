@@ -38,6 +38,8 @@ static scree_result place_sections(const uint64_t elements[PACK_SECTION_KINDS], 
 static scree_result check_cells(const rock_set* set, pack_layout* layout) {
   if (set->cells_per_cube < 1 || set->cells_per_cube > PACK_MAX_CELLS_PER_CUBE) return SCREE_ERROR_RANGE;
   if (set->lattice_per_cell < 1 || set->lattice_per_cell > PACK_MAX_LATTICE_PER_CELL) return SCREE_ERROR_RANGE;
+  if (set->proxy_per_cell > PACK_MAX_LATTICE_PER_CELL) return SCREE_ERROR_RANGE;
+  if ((set->proxies != NULL) != (set->proxy_per_cell > 0)) return SCREE_ERROR_INVALID_ARGUMENT;
   if (set->lod_count < 1 || set->lod_count > ROCK_MAX_LODS) return SCREE_ERROR_RANGE;
   if (set->rock_count < 1 || set->cell_count != scree_rt_lattice_cell_count(set->cells_per_cube))
     return SCREE_ERROR_INVALID_ARGUMENT;
@@ -70,7 +72,7 @@ static scree_result count_records(const rock_set* set, pack_layout* layout, uint
   for (uint32_t i = 0; i < set->rock_count; ++i) {
     const rock_record* rock = &set->rocks[i];
     if (rock->hull_count < PACK_MIN_HULL || rock->hull_count > PACK_MAX_HULL) return SCREE_ERROR_INVALID_ARGUMENT;
-    if (rock->contact_count > UINT16_MAX) return SCREE_ERROR_RANGE;
+    if (rock->contact_count > UINT8_MAX || rock->burial < 1 || rock->burial > PACK_MAX_BURIAL) return SCREE_ERROR_RANGE;
     if (!(rock->outer_radius > 0)) return SCREE_ERROR_INVALID_ARGUMENT;
     if (rock->outer_radius > layout->max_radius) layout->max_radius = rock->outer_radius;
     for (uint32_t k = 0; k < rock->contact_count; ++k) {
@@ -84,20 +86,25 @@ static scree_result count_records(const rock_set* set, pack_layout* layout, uint
   return *contacts <= UINT32_MAX && *hull_vertices <= UINT32_MAX ? SCREE_OK : SCREE_ERROR_RANGE;
 }
 
+/* Levels of all rocks and then of all proxies. */
+static size_t level_count(const rock_set* set) {
+  return ((size_t)set->rock_count + (set->proxies != NULL ? PACK_PROXIES : 0)) * set->lod_count;
+}
+
 static const rock_lod* level_at(const rock_set* set, size_t index) {
-  return &set->rocks[index / set->lod_count].lods[index % set->lod_count];
+  const size_t asset = index / set->lod_count, lod = index % set->lod_count;
+  return asset < set->rock_count ? &set->rocks[asset].lods[lod] : &set->proxies[asset - set->rock_count].lods[lod];
 }
 
 /* Gives every blob its place. Rocks whose tiles differ only far away come out the same: one in fifty at n = 6.
  * slots: a power of two above the number of levels, each a level or UINT32_MAX. */
 static scree_result place_blobs(const rock_set* set, uint32_t* slots, size_t slot_count, uint32_t* offsets, uint64_t* bytes) {
   memset(slots, 0xff, slot_count * sizeof *slots);
-  const size_t levels = (size_t)set->rock_count * set->lod_count;
-  for (size_t i = 0; i < levels; ++i) {
+  for (size_t i = 0; i < level_count(set); ++i) {
     const rock_lod* level = level_at(set, i);
+    if (level->triangle_count < 1) return SCREE_ERROR_INVALID_ARGUMENT;
     if (level->triangle_count > (uint64_t)level->blob_size * PACK_MAX_TRIANGLES_PER_BLOB_BYTE) return SCREE_ERROR_RANGE;
-    offsets[i] = 0;
-    if (level->blob_size == 0) continue;
+
     size_t slot = (size_t)hash_mix(level->digest + level->blob_size) & (slot_count - 1);
     for (; slots[slot] != UINT32_MAX; slot = (slot + 1) & (slot_count - 1)) {
       const rock_lod* other = level_at(set, slots[slot]);
@@ -122,7 +129,7 @@ static scree_result measure(const rock_set* set, const scree_allocator* allocato
   if (result == SCREE_OK) result = count_records(set, layout, &contacts, &hull_vertices);
   if (result != SCREE_OK) return result;
 
-  const uint64_t n = set->cells_per_cube, levels = (uint64_t)set->rock_count * set->lod_count;
+  const uint64_t n = set->cells_per_cube, levels = level_count(set);
   if (levels >= UINT32_MAX / 4) return SCREE_ERROR_RANGE;
   size_t slot_count = 16;
   while (slot_count < 2 * levels) slot_count *= 2;
@@ -159,7 +166,8 @@ static void write_asset(const rock_record* rock, const cursors* at, pack_asset* 
       .cell = rock->cell,
       .first_contact = at->contact,
       .first_hull = at->hull,
-      .contact_count = (uint16_t)rock->contact_count,
+      .contact_count = (uint8_t)rock->contact_count,
+      .burial = (uint8_t)rock->burial,
       .hull_count = (uint8_t)rock->hull_count,
       .seed = (uint8_t)rock->seed,
       .volume = rock->volume,
@@ -208,11 +216,11 @@ static void write_levels(const rock_set* set, const pack_layout* layout, uint8_t
   pack_lod* lods = (pack_lod*)(void*)(bytes + layout->sections[PACK_LODS - 1].offset);
   pack_blob* index = (pack_blob*)(void*)(bytes + layout->sections[PACK_BLOB_INDEX - 1].offset);
   uint8_t* blobs = bytes + layout->sections[PACK_BLOBS - 1].offset;
-  for (size_t i = 0; i < (size_t)set->rock_count * set->lod_count; ++i) {
+  for (size_t i = 0; i < level_count(set); ++i) {
     const rock_lod* level = level_at(set, i);
     lods[i] = (pack_lod){.digest = level->digest, .triangles = level->triangle_count, .error = level->error};
     index[i] = (pack_blob){.offset = layout->blob_offsets[i], .size = level->blob_size, .vertices = level->vertex_count};
-    if (level->blob_size > 0) memcpy(blobs + (size_t)index[i].offset * PACK_BLOB_UNIT, level->blob, level->blob_size);
+    memcpy(blobs + (size_t)index[i].offset * PACK_BLOB_UNIT, level->blob, level->blob_size);
   }
 }
 
@@ -230,7 +238,8 @@ static void seal(const rock_set* set, pack_layout* layout, uint8_t* bytes) {
       .file_size = layout->file_size,
       .table_digest = scree_rt_pack_bytes_digest(layout->sections, sizeof layout->sections),
       .cells_per_cube = set->cells_per_cube,
-      .lattice_per_cell = set->lattice_per_cell,
+      .lattice_per_cell = (uint16_t)set->lattice_per_cell,
+      .proxy_per_cell = (uint16_t)set->proxy_per_cell,
       .lod_count = set->lod_count,
       .max_rocks_per_cell = layout->max_rocks_per_cell,
       .max_radius = layout->max_radius,
@@ -262,7 +271,7 @@ scree_result pack_write(const rock_set* set, const scree_allocator* given, uint8
   *bytes = NULL;
   pack_layout layout = {0};
   const scree_result result = write(set, &allocator, &layout, bytes);
-  scree_rt_release(&allocator, layout.blob_offsets, (size_t)set->rock_count * set->lod_count, sizeof *layout.blob_offsets);
+  scree_rt_release(&allocator, layout.blob_offsets, level_count(set), sizeof *layout.blob_offsets);
   *size = result == SCREE_OK ? (size_t)layout.file_size : 0;
   return result;
 }

@@ -19,7 +19,7 @@ typedef struct lattice_mesh {
 } lattice_mesh;
 
 typedef struct rock_lod {
-  uint8_t* blob; /* Draco bytes */
+  uint8_t* blob; /* Draco bytes, at the coarsest level a plain mesh */
   uint32_t blob_size;
   uint32_t vertex_count; /* as decoded */
   uint32_t triangle_count;
@@ -36,8 +36,13 @@ typedef struct rock_record {
   uint32_t hull_count;
   scree_contact* contacts;
   uint32_t contact_count;
+  uint32_t burial; /* as in scree_asset */
   rock_lod lods[ROCK_MAX_LODS];
 } rock_record;
+
+typedef struct proxy_record {
+  rock_lod lods[ROCK_MAX_LODS];
+} proxy_record;
 
 typedef struct rock_set {
   uint32_t cells_per_cube; /* N */
@@ -45,9 +50,11 @@ typedef struct rock_set {
   uint32_t lod_count;
   uint32_t cell_count;
   uint32_t rock_count;
-  const uint32_t* cell_first; /* cell_count + 1 elements: rocks of cell c are cell_first[c] .. cell_first[c + 1] - 1 */
-  const rock_record* rocks;   /* rock_count */
-  const char* recipe;         /* JSON, NUL-terminated */
+  const uint32_t* cell_first;  /* cell_count + 1 elements: rocks of cell c are cell_first[c] .. cell_first[c + 1] - 1 */
+  const rock_record* rocks;    /* rock_count */
+  const proxy_record* proxies; /* NULL, or 256 * 9 by (code, part) */
+  uint32_t proxy_per_cell;     /* lattice steps; 0 without proxies */
+  const char* recipe;          /* JSON, NUL-terminated */
 } rock_set;
 
 #endif

@@ -112,8 +112,9 @@ static scree_result check_meshes(const scree_pack* pack, const scree_pack_info* 
   check->lod_count = info->lod_count;
   const bool is_shown = isatty(STDERR_FILENO) != 0;
   scree_result result = SCREE_OK;
-  while (check->first_asset < info->asset_count && result == SCREE_OK) {
-    const uint32_t left = info->asset_count - check->first_asset, count = left < ASSETS_AT_ONCE ? left : ASSETS_AT_ONCE;
+  const uint32_t total = info->asset_count + info->proxy_count;
+  while (check->first_asset < total && result == SCREE_OK) {
+    const uint32_t left = total - check->first_asset, count = left < ASSETS_AT_ONCE ? left : ASSETS_AT_ONCE;
     jobs->parallel_for(jobs->user, count, check_asset, check);
     for (uint32_t i = 0; i < count && result == SCREE_OK; ++i) {
       const mesh_fault* fault = &check->faults[i];
@@ -122,7 +123,7 @@ static scree_result check_meshes(const scree_pack* pack, const scree_pack_info* 
                          scree_result_string(fault->result));
     }
     check->first_asset += count;
-    show_progress(is_shown, (double)check->first_asset / info->asset_count);
+    show_progress(is_shown, (double)check->first_asset / total);
   }
   end_progress(is_shown);
   for (uint32_t i = 0; i < THREADS_MAX; ++i) {
@@ -188,7 +189,7 @@ static scree_result print_report(const options* o, const scree_pack* pack, const
   } else {
     info_write_text(report, o->pack, &text);
     buffer_format(&text, "\nall digests are right: %d sections, the pack, %u meshes\n", SCREE_PACK_SECTIONS,
-                  report->pack.asset_count * report->pack.lod_count);
+                  (report->pack.asset_count + report->pack.proxy_count) * report->pack.lod_count);
   }
   char* bytes = buffer_take(&text, NULL);
   if (bytes == NULL) return fail_with(error, SCREE_ERROR_OUT_OF_MEMORY, "%s: out of memory", o->pack);

@@ -13,6 +13,60 @@ static void widen(info_range* range, double value) {
 
 static const info_range nothing = {INFINITY, -INFINITY, 0};
 
+static scree_result add_level(const scree_pack* pack, uint32_t asset, uint32_t lod, info_lod* sum, float* errors) {
+  scree_lod level;
+  const scree_result result = scree_pack_get_lod(pack, asset, lod, &level);
+  if (result != SCREE_OK) return result;
+  sum->triangles += level.triangles;
+  sum->vertices += level.vertices;
+  sum->bytes += level.blob_size;
+  sum->error = level.error > sum->error ? level.error : sum->error;
+  sum->error_sum += (double)level.error;
+  errors[sum->meshes++] = level.error;
+  widen(&sum->triangles_per_mesh, level.triangles);
+  return SCREE_OK;
+}
+
+static int compare_floats(const void* a, const void* b) {
+  const float x = *(const float*)a, y = *(const float*)b;
+  return (x > y) - (x < y);
+}
+
+/* The levels of every `step`th mesh from `first` on. */
+static scree_result gather_levels(const scree_pack* pack, uint32_t lod, uint32_t first, uint32_t end, uint32_t step, info_lod* out,
+                                  float* errors, uint32_t* asset) {
+  out->triangles_per_mesh = nothing;
+  for (*asset = first; *asset < end; *asset += step) {
+    const scree_result result = add_level(pack, *asset, lod, out, errors);
+    if (result != SCREE_OK) return result;
+  }
+  qsort(errors, out->meshes, sizeof *errors, compare_floats);
+  out->error_95 = errors[(95 * (uint64_t)out->meshes + 99) / 100 - 1];
+  return SCREE_OK;
+}
+
+static scree_result gather_meshes(const scree_pack* pack, info_report* out, uint32_t* asset) {
+  const uint32_t rocks = out->pack.asset_count, proxies = out->pack.proxy_count, tiles = proxies / 256;
+  float* errors = malloc(((size_t)rocks + proxies) * sizeof *errors);
+  if (errors == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
+  scree_result result = SCREE_OK;
+  for (uint32_t lod = 0; lod < out->pack.lod_count && result == SCREE_OK; ++lod) {
+    result = gather_levels(pack, lod, 0, rocks, 1, &out->lods[lod], errors, asset);
+    if (proxies == 0 || result != SCREE_OK) continue;
+    result = gather_levels(pack, lod, rocks, rocks + proxies, tiles, &out->whole[lod], errors, asset);
+    out->parts[lod].triangles_per_mesh = nothing;
+    for (uint32_t code = 0; code < 256 && result == SCREE_OK; ++code)
+      for (uint32_t part = 1; part < tiles && result == SCREE_OK; ++part) {
+        *asset = scree_pack_proxy(pack, code, part);
+        result = add_level(pack, *asset, lod, &out->parts[lod], errors);
+      }
+    qsort(errors, out->parts[lod].meshes, sizeof *errors, compare_floats);
+    out->parts[lod].error_95 = errors[(95 * (uint64_t)out->parts[lod].meshes + 99) / 100 - 1];
+  }
+  free(errors);
+  return result;
+}
+
 scree_result info_gather(const scree_pack* pack, info_report* out, uint32_t* asset) {
   memset(out, 0, sizeof *out);
   scree_pack_get_info(pack, &out->pack);
@@ -20,34 +74,36 @@ scree_result info_gather(const scree_pack* pack, info_report* out, uint32_t* ass
   if (out->pack.lod_count > INFO_LODS) return SCREE_ERROR_UNSUPPORTED;
   for (uint32_t i = 0; i < SCREE_PACK_SECTIONS; ++i) scree_pack_get_section(pack, i, &out->sections[i]);
   out->volume = out->inner_radius = out->outer_radius = out->hull_vertices = out->contacts = nothing;
-  for (uint32_t lod = 0; lod < INFO_LODS; ++lod) out->lods[lod].triangles_per_rock = nothing;
   for (*asset = 0; *asset < out->pack.asset_count; ++*asset) {
     scree_asset rock;
-    scree_result result = scree_pack_get_asset(pack, *asset, &rock);
+    const scree_result result = scree_pack_get_asset(pack, *asset, &rock);
     if (result != SCREE_OK) return result;
-    widen(&out->volume, rock.volume);
-    widen(&out->inner_radius, rock.inner_radius);
-    widen(&out->outer_radius, rock.outer_radius);
+    widen(&out->volume, (double)rock.volume);
+    widen(&out->inner_radius, (double)rock.inner_radius);
+    widen(&out->outer_radius, (double)rock.outer_radius);
     widen(&out->hull_vertices, rock.hull_vertices);
     widen(&out->contacts, rock.contact_count);
     ++out->rocks_with_contacts[rock.contact_count < INFO_CONTACT_BINS ? rock.contact_count : INFO_CONTACT_BINS - 1];
-    for (uint32_t lod = 0; lod < out->pack.lod_count; ++lod) {
-      scree_lod level;
-      result = scree_pack_get_lod(pack, *asset, lod, &level);
-      if (result != SCREE_OK) return result;
-      info_lod* sum = &out->lods[lod];
-      sum->triangles += level.triangles;
-      sum->vertices += level.vertices;
-      sum->bytes += level.blob_size;
-      sum->error = level.error > sum->error ? level.error : sum->error;
-      widen(&sum->triangles_per_rock, level.triangles);
-    }
+    ++out->rocks_with_burial[rock.burial];
   }
-  return SCREE_OK;
+  return gather_meshes(pack, out, asset);
 }
 
 static void text_range(text_buffer* out, const char* name, const info_range* range, uint32_t count, const char* unit) {
   buffer_format(out, "  %-18s %9.3f  (%.3f .. %.3f) %s\n", name, range->sum / count, range->least, range->greatest, unit);
+}
+
+static void text_levels(text_buffer* out, const char* of, const info_lod* levels, uint32_t count) {
+  buffer_format(out, "\nlevels of detail of %s\n", of);
+  buffer_add(out, "         triangles of a mesh       vertices     bytes  bytes a triangle  error: mean   95 %   largest, cells\n");
+  for (uint32_t lod = 0; lod < count; ++lod) {
+    const info_lod* level = &levels[lod];
+    const double meshes = level->meshes, triangles = (double)level->triangles;
+    buffer_format(out, "  LOD %u  %10.1f  (%.0f .. %.0f)  %9.1f  %8.1f  %16.3f  %11.4f  %.4f  %.4f\n", lod, triangles / meshes,
+                  level->triangles_per_mesh.least, level->triangles_per_mesh.greatest, (double)level->vertices / meshes,
+                  (double)level->bytes / meshes, (double)level->bytes / triangles, level->error_sum / meshes,
+                  (double)level->error_95, (double)level->error);
+  }
 }
 
 void info_write_text(const info_report* report, const char* path, text_buffer* out) {
@@ -58,20 +114,18 @@ void info_write_text(const info_report* report, const char* path, text_buffer* o
   buffer_format(out, "  %u rocks in %u unique cells, at most %u a cell; a cube has %u x %u x %u cells (n = %u)\n",
                 pack->asset_count, pack->cell_count, pack->max_rocks_per_cell, pack->cells_per_cube, pack->cells_per_cube,
                 pack->cells_per_cube, pack->cells_per_cube + 1);
-  buffer_format(out, "  %u lattice steps a cell\n\nsections\n", pack->lattice_per_cell);
+  buffer_format(out, "  %u lattice steps a cell; %u proxies", pack->lattice_per_cell, pack->proxy_count);
+  if (pack->proxy_count > 0) buffer_format(out, " of %u steps a cell", pack->proxy_per_cell);
+  buffer_add(out, "\n\nsections\n");
   for (uint32_t i = 0; i < SCREE_PACK_SECTIONS; ++i) {
     const scree_pack_section* section = &report->sections[i];
     buffer_format(out, "  %-12s %12llu bytes  %5.1f %%  digest %016llx\n", section->name, (unsigned long long)section->size,
                   100.0 * (double)section->size / (double)pack->file_size, (unsigned long long)section->digest);
   }
-  buffer_add(out, "\nlevels of detail     triangles a rock          vertices  bytes a rock  bytes a triangle  largest error\n");
-  for (uint32_t lod = 0; lod < pack->lod_count; ++lod) {
-    const info_lod* level = &report->lods[lod];
-    const double rocks = pack->asset_count, triangles = level->triangles > 0 ? (double)level->triangles : 1;
-    buffer_format(out, "  LOD %u  %10.1f  (%.0f .. %.0f)  %12.1f  %12.1f  %16.3f  %13.4f cells\n", lod,
-                  (double)level->triangles / rocks, level->triangles_per_rock.least, level->triangles_per_rock.greatest,
-                  (double)level->vertices / rocks, (double)level->bytes / rocks, (double)level->bytes / triangles,
-                  (double)level->error);
+  text_levels(out, "rocks", report->lods, pack->lod_count);
+  if (pack->proxy_count > 0) {
+    text_levels(out, "proxies of whole tiles", report->whole, pack->lod_count);
+    text_levels(out, "proxies of the eighths of tiles", report->parts, pack->lod_count);
   }
   buffer_add(out, "\nrocks                     mean  (least .. greatest)\n");
   text_range(out, "volume", &report->volume, pack->asset_count, "cubic cells");
@@ -83,6 +137,14 @@ void info_write_text(const info_report* report, const char* path, text_buffer* o
   for (uint32_t i = 0; i < INFO_CONTACT_BINS; ++i)
     if (report->rocks_with_contacts[i] > 0)
       buffer_format(out, " %u%s:%u", i, i == INFO_CONTACT_BINS - 1 ? "+" : "", report->rocks_with_contacts[i]);
+  buffer_add(out, "\n\nburial: cells around a rock that must be full for nobody to see it, and how many rocks are buried so\n ");
+  for (uint32_t b = 1; b <= SCREE_BURIAL_NEVER; ++b)
+    buffer_format(out, " %s:%u",
+                  b == SCREE_BURIAL_NEVER ? "never"
+                  : b == 1                ? "1"
+                  : b == 2                ? "2"
+                                          : "3",
+                  report->rocks_with_burial[b]);
   buffer_add(out, "\n\nrecipe\n");
   buffer_add(out, pack->recipe);
   if (pack->recipe_size == 0 || pack->recipe[pack->recipe_size - 1] != '\n') buffer_add(out, "\n");
@@ -110,7 +172,8 @@ static void json_range(text_buffer* out, const char* name, const info_range* ran
 static void json_example(const scree_pack* pack, uint32_t lod_count, uint32_t asset, text_buffer* out) {
   scree_asset rock;
   if (scree_pack_get_asset(pack, asset, &rock) != SCREE_OK) return;
-  buffer_format(out, "    {\"asset\": %u, \"cell\": %u, \"seed\": %u, \"volume\": ", asset, rock.cell, rock.seed);
+  buffer_format(out, "    {\"asset\": %u, \"cell\": %u, \"seed\": %u, \"burial\": %u, \"volume\": ", asset, rock.cell, rock.seed,
+                rock.burial);
   buffer_float(out, rock.volume);
   buffer_add(out, ", \"inner_radius\": ");
   buffer_float(out, rock.inner_radius);
@@ -162,12 +225,27 @@ static void json_recipe(const char* recipe, text_buffer* out) {
   cJSON_Delete(tree);
 }
 
+static void json_levels(text_buffer* out, const info_lod* levels, uint32_t count) {
+  for (uint32_t lod = 0; lod < count; ++lod) {
+    const info_lod* level = &levels[lod];
+    buffer_format(out, "%s\n    {\"triangles\": %llu, \"vertices\": %llu, \"bytes\": %llu, \"error\": ", lod > 0 ? "," : "",
+                  (unsigned long long)level->triangles, (unsigned long long)level->vertices, (unsigned long long)level->bytes);
+    buffer_float(out, level->error);
+    buffer_add(out, ", \"error_95\": ");
+    buffer_float(out, level->error_95);
+    buffer_add(out, ", \"error_mean\": ");
+    buffer_number(out, level->error_sum / level->meshes);
+    buffer_add(out, "}");
+  }
+}
+
 void info_write_json(const info_report* report, const scree_pack* pack, text_buffer* out) {
   const scree_pack_info* info = &report->pack;
   buffer_format(out, "{\n  \"format_version\": %u,\n  \"file_size\": %llu,\n  \"digest\": \"%016llx\",\n", info->format_version,
                 (unsigned long long)info->file_size, (unsigned long long)info->digest);
   buffer_format(out, "  \"cells_per_cube\": %u,\n  \"lattice_per_cell\": %u,\n  \"lod_count\": %u,\n", info->cells_per_cube,
                 info->lattice_per_cell, info->lod_count);
+  buffer_format(out, "  \"proxy_count\": %u,\n  \"proxy_per_cell\": %u,\n", info->proxy_count, info->proxy_per_cell);
   buffer_format(out, "  \"max_rocks_per_cell\": %u,\n  \"max_radius\": ", info->max_rocks_per_cell);
   buffer_float(out, info->max_radius);
   buffer_format(out, ",\n  \"cells\": %u,\n  \"assets\": %u,\n  \"sections\": {", info->cell_count, info->asset_count);
@@ -178,14 +256,19 @@ void info_write_json(const info_report* report, const scree_pack* pack, text_buf
     buffer_format(out, "%s\"%s\": \"%016llx\"", i > 0 ? ", " : "", report->sections[i].name,
                   (unsigned long long)report->sections[i].digest);
   buffer_add(out, "},\n  \"lods\": [");
-  for (uint32_t lod = 0; lod < info->lod_count; ++lod) {
-    const info_lod* level = &report->lods[lod];
-    buffer_format(out, "%s\n    {\"triangles\": %llu, \"vertices\": %llu, \"bytes\": %llu, \"error\": ", lod > 0 ? "," : "",
-                  (unsigned long long)level->triangles, (unsigned long long)level->vertices, (unsigned long long)level->bytes);
-    buffer_float(out, level->error);
-    buffer_add(out, "}");
+  json_levels(out, report->lods, info->lod_count);
+  if (info->proxy_count > 0) {
+    buffer_add(out, "\n  ],\n  \"proxies\": {\"whole\": [");
+    json_levels(out, report->whole, info->lod_count);
+    buffer_add(out, "], \"parts\": [");
+    json_levels(out, report->parts, info->lod_count);
+    buffer_add(out, "]},");
+  } else {
+    buffer_add(out, "\n  ],");
   }
-  buffer_format(out, "\n  ],\n  \"contacts\": %.0f", report->contacts.sum);
+  buffer_add(out, "\n  \"burial\": [");
+  for (uint32_t b = 1; b <= SCREE_BURIAL_NEVER; ++b) buffer_format(out, "%s%u", b > 1 ? ", " : "", report->rocks_with_burial[b]);
+  buffer_format(out, "],\n  \"contacts\": %.0f", report->contacts.sum);
   json_range(out, "contacts_per_rock", &report->contacts, info->asset_count);
   json_range(out, "volume", &report->volume, info->asset_count);
   json_range(out, "inner_radius", &report->inner_radius, info->asset_count);

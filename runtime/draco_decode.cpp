@@ -10,6 +10,7 @@
 
 #include "mesh_normals.h"
 #include "occlusion.h"
+#include "pack_internal.h"
 
 namespace {
 
@@ -107,6 +108,8 @@ scree_result decode_lod(const scree_pack* pack, uint32_t asset, uint32_t lod, sc
   scree_lod level;
   const scree_result result = scree_pack_get_lod(pack, asset, lod, &level);
   if (result != SCREE_OK) return result;
+  if (lod + 1 == pack->header->lod_count)
+    return scree_rt_pack_coarse_mesh(pack, asset, vertices, vertex_capacity, indices, index_size, index_capacity);
   if (index_size == sizeof(uint16_t) && level.vertices > UINT32_C(1) << 16) return SCREE_ERROR_CAPACITY;
   if (vertex_capacity < level.vertices || index_capacity / 3 < level.triangles) return SCREE_ERROR_CAPACITY;
   if ((vertices == nullptr && level.vertices > 0) || (indices == nullptr && level.triangles > 0))

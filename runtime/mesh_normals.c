@@ -40,6 +40,10 @@ static void set_normal(float x, float y, float z, int16_t normal[3]) {
   normal[2] = round_component(z * scale);
 }
 
+void scree_rt_mesh_normal(const int64_t sum[3], int16_t normal[3]) {
+  set_normal((float)sum[0], (float)sum[1], (float)sum[2], normal);
+}
+
 /* The largest distance of two vertices along an axis. */
 static uint32_t extent(const scree_vertex* vertices, uint32_t vertex_count) {
   int32_t greatest = 0;
@@ -69,7 +73,6 @@ void scree_rt_mesh_normals(scree_vertex* vertices, uint32_t vertex_count, const 
     int64_t(*sums)[3] = scratch;
     memset(sums, 0, vertex_count * sizeof *sums);
     sum_normals_64(vertices, indices, triangle_count, sums);
-    for (uint32_t i = 0; i < vertex_count; ++i)
-      set_normal((float)sums[i][0], (float)sums[i][1], (float)sums[i][2], vertices[i].normal);
+    for (uint32_t i = 0; i < vertex_count; ++i) scree_rt_mesh_normal(sums[i], vertices[i].normal);
   }
 }

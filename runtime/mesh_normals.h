@@ -3,7 +3,7 @@
 #ifndef SCREE_MESH_NORMALS_H
 #define SCREE_MESH_NORMALS_H
 
-#include <scree/draco.h>
+#include <scree/pack.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -15,6 +15,9 @@ extern "C" {
 #define MESH_NORMALS_SCRATCH 24
 void scree_rt_mesh_normals(scree_vertex* vertices, uint32_t vertex_count, const uint32_t* indices, uint32_t triangle_count,
                            void* scratch);
+
+/* The normal of one vertex from the sum of the cross products around it: the same bits as above. */
+void scree_rt_mesh_normal(const int64_t sum[3], int16_t normal[3]);
 
 #ifdef __cplusplus
 }

@@ -4,6 +4,7 @@
 
 #include "allocator.h"
 #include "pack_internal.h"
+#include "plain_mesh.h"
 
 /* Finds the section of every kind and checks that the sections lie one behind the other, padded to 64 bytes and not more, up to
  * the end of the file: then no two overlap and no byte belongs to none. */
@@ -50,6 +51,7 @@ static scree_result read_views(scree_pack* pack) {
   const uint32_t n = header->cells_per_cube;
   if (n < 1 || n > PACK_MAX_CELLS_PER_CUBE) return SCREE_ERROR_CORRUPT;
   if (header->lattice_per_cell < 1 || header->lattice_per_cell > PACK_MAX_LATTICE_PER_CELL) return SCREE_ERROR_CORRUPT;
+  if (header->proxy_per_cell > PACK_MAX_LATTICE_PER_CELL) return SCREE_ERROR_CORRUPT;
   if (header->lod_count < 1 || header->lod_count > PACK_MAX_LODS) return SCREE_ERROR_CORRUPT;
   if (header->max_rocks_per_cell < 1 || header->max_rocks_per_cell > PACK_MAX_ROCKS_PER_CELL) return SCREE_ERROR_CORRUPT;
   if (!(header->max_radius > 0 && header->max_radius <= 16)) return SCREE_ERROR_CORRUPT;
@@ -77,8 +79,10 @@ static scree_result read_views(scree_pack* pack) {
   pack->cell_count = (uint32_t)(cells - 1);
   pack->asset_count = (uint32_t)assets;
   if (pack->cells[0] != 0 || pack->cells[pack->cell_count] != pack->asset_count) return SCREE_ERROR_CORRUPT;
-  if (section_elements(pack, PACK_LODS) != assets * header->lod_count) return SCREE_ERROR_CORRUPT;
-  if (section_elements(pack, PACK_BLOB_INDEX) != assets * header->lod_count) return SCREE_ERROR_CORRUPT;
+  pack->proxy_count = header->proxy_per_cell > 0 ? PACK_PROXIES : 0;
+  if (assets + pack->proxy_count > UINT32_MAX) return SCREE_ERROR_CORRUPT;
+  const uint64_t levels = (assets + pack->proxy_count) * header->lod_count;
+  if (section_elements(pack, PACK_LODS) != levels || section_elements(pack, PACK_BLOB_INDEX) != levels) return SCREE_ERROR_CORRUPT;
   return SCREE_OK;
 }
 
@@ -145,6 +149,8 @@ void scree_pack_get_info(const scree_pack* pack, scree_pack_info* out) {
       .cell_count = pack->cell_count,
       .asset_count = pack->asset_count,
       .lod_count = pack->header->lod_count,
+      .proxy_count = pack->proxy_count,
+      .proxy_per_cell = pack->header->proxy_per_cell,
       .max_rocks_per_cell = pack->header->max_rocks_per_cell,
       .max_radius = pack->header->max_radius,
       .digest = pack->header->pack_digest,
@@ -178,6 +184,7 @@ scree_result scree_pack_get_asset(const scree_pack* pack, uint32_t asset, scree_
   const pack_asset* record = &pack->assets[asset];
   if (record->cell >= pack->cell_count || record->seed >= pack->header->max_rocks_per_cell) return SCREE_ERROR_CORRUPT;
   if (!range_fits(record->first_contact, record->contact_count, pack->contact_count)) return SCREE_ERROR_CORRUPT;
+  if (record->burial < 1 || record->burial > PACK_MAX_BURIAL) return SCREE_ERROR_CORRUPT;
   if (record->hull_count < PACK_MIN_HULL || record->hull_count > PACK_MAX_HULL) return SCREE_ERROR_CORRUPT;
   if (!range_fits(record->first_hull, record->hull_count, pack->hull_count)) return SCREE_ERROR_CORRUPT;
   const float reach = pack->header->max_radius;
@@ -194,6 +201,7 @@ scree_result scree_pack_get_asset(const scree_pack* pack, uint32_t asset, scree_
       .outer_radius = record->outer_radius,
       .contact_count = record->contact_count,
       .hull_vertices = record->hull_count,
+      .burial = record->burial,
   };
   for (int axis = 0; axis < 3; ++axis) {
     if (record->bounds_min[axis] > record->bounds_max[axis] || !within(record->centroid[axis], 16)) return SCREE_ERROR_CORRUPT;
@@ -205,14 +213,15 @@ scree_result scree_pack_get_asset(const scree_pack* pack, uint32_t asset, scree_
 }
 
 scree_result scree_pack_get_lod(const scree_pack* pack, uint32_t asset, uint32_t lod, scree_lod* out) {
-  if (pack == NULL || out == NULL || asset >= pack->asset_count || lod >= pack->header->lod_count)
+  if (pack == NULL || out == NULL || lod >= pack->header->lod_count || asset >= pack->asset_count + pack->proxy_count)
     return SCREE_ERROR_INVALID_ARGUMENT;
   const size_t index = (size_t)asset * pack->header->lod_count + lod;
   const pack_lod* record = &pack->lods[index];
   const pack_blob* blob = &pack->blob_index[index];
   const uint64_t offset = (uint64_t)blob->offset * PACK_BLOB_UNIT;
   if (!range_fits(offset, blob->size, pack->blob_bytes)) return SCREE_ERROR_CORRUPT;
-  if (record->triangles > (uint64_t)blob->size * PACK_MAX_TRIANGLES_PER_BLOB_BYTE) return SCREE_ERROR_CORRUPT;
+  if (record->triangles < 1 || record->triangles > (uint64_t)blob->size * PACK_MAX_TRIANGLES_PER_BLOB_BYTE)
+    return SCREE_ERROR_CORRUPT;
   if (blob->vertices > (uint64_t)record->triangles * 3) return SCREE_ERROR_CORRUPT;
   if (!(record->error >= 0 && record->error <= 16)) return SCREE_ERROR_CORRUPT;
   *out = (scree_lod){
@@ -224,6 +233,30 @@ scree_result scree_pack_get_lod(const scree_pack* pack, uint32_t asset, uint32_t
       .blob_size = blob->size,
   };
   return SCREE_OK;
+}
+
+scree_result scree_rt_pack_coarse_mesh(const scree_pack* pack, uint32_t asset, scree_vertex* vertices, size_t vertex_capacity,
+                                       void* indices, uint32_t index_size, size_t index_capacity) {
+  if (pack == NULL) return SCREE_ERROR_INVALID_ARGUMENT;
+  scree_lod level;
+  const scree_result result = scree_pack_get_lod(pack, asset, pack->header->lod_count - 1, &level);
+  if (result != SCREE_OK) return result;
+  if (vertex_capacity < level.vertices || index_capacity / 3 < level.triangles) return SCREE_ERROR_CAPACITY;
+  if (vertices == NULL || indices == NULL) return SCREE_ERROR_INVALID_ARGUMENT;
+  plain_mesh mesh;
+  if (!scree_rt_plain_mesh_read(level.blob, level.blob_size, level.vertices, level.triangles, &mesh)) return SCREE_ERROR_CORRUPT;
+  scree_rt_plain_mesh_decode(&mesh, vertices, indices, index_size);
+  return SCREE_OK;
+}
+
+scree_result scree_pack_coarse_mesh(const scree_pack* pack, uint32_t asset, scree_vertex* vertices, size_t vertex_capacity,
+                                    uint16_t* indices, size_t index_capacity) {
+  return scree_rt_pack_coarse_mesh(pack, asset, vertices, vertex_capacity, indices, sizeof *indices, index_capacity);
+}
+
+uint32_t scree_pack_proxy(const scree_pack* pack, uint32_t code, uint32_t part) {
+  if (pack == NULL || pack->proxy_count == 0 || code >= 256 || part >= PACK_PROXY_PARTS) return UINT32_MAX;
+  return pack->asset_count + code * PACK_PROXY_PARTS + part;
 }
 
 pack_contact scree_rt_pack_read_contact(const scree_pack* pack, uint64_t index) {

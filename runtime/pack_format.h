@@ -1,4 +1,4 @@
-/* The layout of a pack, format version 1. docs/pack_format.md says the same in words; the two change together.
+/* The layout of a pack, format version 2. docs/pack_format.md says the same in words; the two change together.
  *
  *   0            64                    aligned to 64        aligned to 64
  *   | pack_header | pack_section [n]   | section 0 | 0..0 | section 1 | 0..0 | ... | section n-1 |
@@ -15,7 +15,7 @@
 #error "packs are used in place and are little-endian; a big-endian reader would have to convert every section on opening"
 #endif
 
-#define PACK_FORMAT_VERSION 1u
+#define PACK_FORMAT_VERSION 2u
 #define PACK_ALIGNMENT 64u
 
 /* In the manner of PNG: a byte with its top bit set catches seven-bit transfers, CR LF and LF catch changed line ends, ^Z stops
@@ -29,11 +29,11 @@ enum {
   PACK_TILES = 2,      /* u32 unique cell [256][N][N][N], x fastest */
   PACK_CELLS = 3,      /* u32 first asset [cells + 1] */
   PACK_ASSETS = 4,     /* pack_asset [assets], by (cell, seed) */
-  PACK_LODS = 5,       /* pack_lod [assets][lods] */
+  PACK_LODS = 5,       /* pack_lod [assets + proxies][lods] */
   PACK_CONTACTS = 6,   /* pack_contact or pack_narrow_contact */
   PACK_HULLS = 7,      /* i16 [3] or i8 [3], lattice steps */
-  PACK_BLOB_INDEX = 8, /* pack_blob [assets][lods] */
-  PACK_BLOBS = 9,      /* Draco bytes, each blob 4-byte aligned */
+  PACK_BLOB_INDEX = 8, /* pack_blob [assets + proxies][lods] */
+  PACK_BLOBS = 9,      /* Draco bytes, or at the coarsest level a plain mesh, each blob 4-byte aligned */
   PACK_SECTION_KINDS = 9,
   PACK_CANONICAL_KINDS = 7 /* kinds 1..7 do not depend on the encoder */
 };
@@ -43,6 +43,9 @@ enum {
   PACK_MAX_CELLS_PER_CUBE = 16,
   PACK_MAX_LATTICE_PER_CELL = 4096, /* so that a rock, which stays within 1.5 cells of its centre, fits int16 */
   PACK_MAX_LODS = 8,
+  PACK_PROXY_PARTS = 9,                  /* of a tile: the whole, and the halves of its axes */
+  PACK_PROXIES = 256 * PACK_PROXY_PARTS, /* of a pack that has any */
+  PACK_MAX_BURIAL = 4,                   /* SCREE_BURIAL_NEVER */
   PACK_MAX_ROCKS_PER_CELL = 255,
   PACK_MAX_HULL = 64,
   PACK_MIN_HULL = 4,
@@ -60,7 +63,8 @@ typedef struct pack_header {
   uint64_t table_digest; /* XXH3-64 of the section table */
   uint64_t pack_digest;  /* see scree_rt_pack_digest() */
   uint32_t cells_per_cube;
-  uint32_t lattice_per_cell;
+  uint16_t lattice_per_cell;
+  uint16_t proxy_per_cell; /* 0 where there are no proxies */
   uint32_t lod_count;
   uint32_t max_rocks_per_cell;
   float max_radius;      /* cells */
@@ -79,7 +83,8 @@ typedef struct pack_asset {
   uint32_t cell;
   uint32_t first_contact;
   uint32_t first_hull; /* in vertices */
-  uint16_t contact_count;
+  uint8_t contact_count;
+  uint8_t burial; /* 1..PACK_MAX_BURIAL */
   uint8_t hull_count;
   uint8_t seed;
   int16_t bounds_min[3], bounds_max[3]; /* lattice steps */

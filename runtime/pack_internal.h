@@ -29,13 +29,26 @@ struct scree_pack {
 
   uint32_t cell_count;
   uint32_t asset_count;
+  uint32_t proxy_count;
   uint64_t contact_count;
   uint64_t hull_count; /* vertices */
   uint64_t blob_bytes;
   bool narrow_contacts, narrow_hulls;
 };
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* The contact at an index below contact_count, as it is stored: neighbour and seed are not checked. */
 pack_contact scree_rt_pack_read_contact(const scree_pack* pack, uint64_t index);
+
+/* scree_pack_coarse_mesh with indices of 2 or 4 bytes. */
+scree_result scree_rt_pack_coarse_mesh(const scree_pack* pack, uint32_t asset, scree_vertex* vertices, size_t vertex_capacity,
+                                       void* indices, uint32_t index_size, size_t index_capacity);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "pack_internal.h"
+#include "plain_mesh.h"
 
 static bool all_zero(const uint8_t* bytes, size_t size) {
   for (size_t i = 0; i < size; ++i)
@@ -37,13 +38,21 @@ static scree_result verify_tables(const scree_pack* pack) {
   return strlen(pack->recipe) + 1 == pack->sections[PACK_RECIPE - 1]->size ? SCREE_OK : SCREE_ERROR_CORRUPT;
 }
 
+/* Of a rock or proxy. The coarsest level is looked into, because it needs no decoder. */
+static scree_result verify_levels(const scree_pack* pack, uint32_t asset) {
+  scree_lod level;
+  for (uint32_t lod = 0; lod < pack->header->lod_count; ++lod) {
+    const scree_result result = scree_pack_get_lod(pack, asset, lod, &level);
+    if (result != SCREE_OK) return result;
+  }
+  plain_mesh mesh;
+  const bool good = scree_rt_plain_mesh_read(level.blob, level.blob_size, level.vertices, level.triangles, &mesh);
+  return good ? SCREE_OK : SCREE_ERROR_CORRUPT;
+}
+
 static scree_result verify_asset(const scree_pack* pack, uint32_t asset) {
   scree_asset record;
   scree_result result = scree_pack_get_asset(pack, asset, &record);
-  for (uint32_t lod = 0; lod < pack->header->lod_count && result == SCREE_OK; ++lod) {
-    scree_lod level;
-    result = scree_pack_get_lod(pack, asset, lod, &level);
-  }
   for (uint32_t i = 0; result == SCREE_OK && i < record.contact_count; ++i) {
     const pack_contact contact = scree_rt_pack_read_contact(pack, pack->assets[asset].first_contact + (uint64_t)i);
     if (contact.neighbour >= PACK_NEIGHBOURS || contact.seed >= pack->header->max_rocks_per_cell) result = SCREE_ERROR_CORRUPT;
@@ -56,5 +65,7 @@ scree_result scree_pack_verify(const scree_pack* pack) {
   scree_result result = verify_bytes(pack);
   if (result == SCREE_OK) result = verify_tables(pack);
   for (uint32_t asset = 0; asset < pack->asset_count && result == SCREE_OK; ++asset) result = verify_asset(pack, asset);
+  for (uint32_t mesh = 0; mesh < pack->asset_count + pack->proxy_count && result == SCREE_OK; ++mesh)
+    result = verify_levels(pack, mesh);
   return result;
 }

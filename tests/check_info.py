@@ -63,7 +63,7 @@ expect_refused("a folder", WORK, WORK)
 expect_refused("an empty file", "empty.scree", write("empty.scree", b""))
 expect_refused("another file", "other.scree", write("other.scree", b"glTF" * 100))
 expect_refused("half a pack", "half.scree", write("half.scree", good[: len(good) // 2]))
-expect_refused("another version", "version.scree", write("version.scree", good[:8] + struct.pack("<I", 2) + good[12:]))
+expect_refused("another version", "version.scree", write("version.scree", good[:8] + struct.pack("<I", 1) + good[12:]))
 for place in (20, 100, len(good) // 3, len(good) - 5):
     name = f"changed-{place}.scree"
     expect_refused(f"byte {place} changed", name, write(name, good[:place] + bytes([good[place] ^ 4]) + good[place + 1 :]))

@@ -9,6 +9,7 @@
 #include "lattice.h"
 #include "pack_format.h"
 #include "pack_writer.h"
+#include "plain_encode.h"
 #include "synthetic_rock.h"
 
 #define TEST_RECIPE "{\"name\": \"test\", \"note\": \"not baked\"}"
@@ -79,11 +80,13 @@ static void fill_rock(uint64_t seed, const test_pack_desc* desc, rock_record* ro
       fill_hull(&mesh, rock);
       fill_bounds(&mesh, rock);
     }
-    if (draco_encode(&mesh, NULL, &rock->lods[lod]) != SCREE_OK) abort();
+    const bool coarsest = lod + 1 == desc->lod_count;
+    if ((coarsest ? plain_encode : draco_encode)(&mesh, NULL, &rock->lods[lod]) != SCREE_OK) abort();
     synthetic_rock_free(&mesh);
   }
   fill_contacts(seed, rock);
   for (int axis = 0; axis < 3; ++axis) rock->centroid[axis] = (float)(hash_mix(seed * 3 + (uint64_t)axis) % 101) / 1000.0f;
+  rock->burial = 1 + (uint32_t)(seed % SCREE_BURIAL_NEVER);
   rock->volume = 0.5f;
   rock->inner_radius = 0.25f;
   rock->outer_radius = 0.75f + (float)(seed % 16) / 64.0f;
@@ -107,6 +110,9 @@ rock_set* test_rock_set_make(const test_pack_desc* given) {
       rocks[i].cell = cell;
       rocks[i].seed = i - first[cell];
     }
+  proxy_record* proxies = desc.proxies ? checked(calloc(PACK_PROXIES, sizeof *proxies)) : NULL;
+  for (uint32_t i = 0; i < PACK_PROXIES && proxies != NULL; ++i)
+    memcpy(proxies[i].lods, rocks[i % desc.shapes % first[cell_count]].lods, sizeof proxies[i].lods);
   rock_set* set = checked(malloc(sizeof *set));
   *set = (rock_set){
       .cells_per_cube = desc.cells_per_cube,
@@ -116,6 +122,8 @@ rock_set* test_rock_set_make(const test_pack_desc* given) {
       .rock_count = first[cell_count],
       .cell_first = first,
       .rocks = rocks,
+      .proxies = proxies,
+      .proxy_per_cell = desc.proxies ? 20 : 0,
       .recipe = TEST_RECIPE,
   };
   return set;
@@ -134,6 +142,7 @@ void test_rock_set_free(rock_set* set) {
     free(rock->contacts);
     free(rock->hull);
   }
+  free((void*)set->proxies);
   free((void*)set->rocks);
   free((void*)set->cell_first);
   free(set);

@@ -11,6 +11,7 @@ typedef struct test_pack_desc {
   uint32_t lod_count;       /* [2] */
   uint32_t voxels_per_cell; /* [6] */
   uint32_t shapes;          /* different rocks, repeated over the assets [4] */
+  bool proxies;             /* the meshes of rocks again, as many as a pack has proxies */
 } test_pack_desc;
 
 /* A set of rocks for pack_write, with real meshes, encoded. Ends the test on failure. */

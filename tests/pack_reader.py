@@ -61,16 +61,18 @@ class Pack:
         check(len(data) >= 64, "file is shorter than its header")
         check(data[:8] == MAGIC, "magic")
         self.format_version, self.section_count, self.file_size = struct.unpack_from("<IIQ", data, 8)
-        check(self.format_version == 1, "format version")
+        check(self.format_version == 2, "format version")
         (check_value,) = struct.unpack_from("<I", data, 60)
         check(check_value == xxh3(data[:60]) & 0xFFFFFFFF, "header check")
         check(self.file_size == len(data), "file size")
         self.table_digest, self.digest = struct.unpack_from("<QQ", data, 24)
-        fields = struct.unpack_from("<IIIIf", data, 40)
-        self.cells_per_cube, self.lattice_per_cell, self.lod_count, self.max_rocks_per_cell, self.max_radius = fields
+        self.cells_per_cube, self.lattice_per_cell, self.proxy_per_cell = struct.unpack_from("<IHH", data, 40)
+        self.lod_count, self.max_rocks_per_cell, self.max_radius = struct.unpack_from("<IIf", data, 48)
         check(9 <= self.section_count <= 64, "section count")
         check(1 <= self.cells_per_cube <= 16, "cells per cube")
         check(1 <= self.lattice_per_cell <= 4096, "lattice per cell")
+        check(self.proxy_per_cell <= 4096, "lattice of proxies")
+        self.proxy_count = 256 * 9 if self.proxy_per_cell > 0 else 0
         check(1 <= self.lod_count <= 8, "lod count")
         check(1 <= self.max_rocks_per_cell <= 255, "rocks per cell")
         check(0 < self.max_radius <= 16, "largest radius")
@@ -118,16 +120,16 @@ class Pack:
         for a, b in zip(self.first_asset, self.first_asset[1:]):
             check(a <= b <= a + self.max_rocks_per_cell, "rocks of a cell")
         for kind in (LODS, BLOB_INDEX):
-            check(self.elements(kind) == self.asset_count * self.lod_count, f"size of section {kind}")
+            check(self.elements(kind) == (self.asset_count + self.proxy_count) * self.lod_count, f"size of section {kind}")
 
     def read_assets(self):
-        names = "cell first_contact first_hull contact_count hull_count seed".split()
+        names = "cell first_contact first_hull contact_count burial hull_count seed".split()
         self.assets = []
-        for values in struct.iter_unpack("<IIIHBB6h6f", self.sections[ASSETS]):
-            asset = dict(zip(names, values[:6]))
-            asset["bounds_min"], asset["bounds_max"] = values[6:9], values[9:12]
-            asset["centroid"] = values[12:15]
-            asset["volume"], asset["inner_radius"], asset["outer_radius"] = values[15:18]
+        for values in struct.iter_unpack("<IIIBBBB6h6f", self.sections[ASSETS]):
+            asset = dict(zip(names, values[:7]))
+            asset["bounds_min"], asset["bounds_max"] = values[7:10], values[10:13]
+            asset["centroid"] = values[13:16]
+            asset["volume"], asset["inner_radius"], asset["outer_radius"] = values[16:19]
             self.assets.append(asset)
         self.lods = list(struct.iter_unpack("<QIf", self.sections[LODS]))
         layout = "<3hBB" if self.element_size[CONTACTS] == 8 else "<3bBB"
@@ -135,6 +137,8 @@ class Pack:
         self.blob_index = list(struct.iter_unpack("<III", self.sections[BLOB_INDEX]))
         for number, asset in enumerate(self.assets):
             self.check_asset(number, asset)
+        for number in range(self.asset_count + self.proxy_count):
+            self.check_levels(number)
 
     def check_asset(self, number, asset):
         name = f"asset {number}: "
@@ -144,6 +148,7 @@ class Pack:
         check(asset["seed"] < self.max_rocks_per_cell, name + "seed")
         check(number == first or asset["seed"] > self.assets[number - 1]["seed"], name + "order of seeds")
         check(asset["first_contact"] + asset["contact_count"] <= len(self.contacts), name + "contacts")
+        check(1 <= asset["burial"] <= 4, name + "burial")
         check(4 <= asset["hull_count"] <= 64, name + "hull count")
         check(asset["first_hull"] + asset["hull_count"] <= self.elements(HULLS), name + "hull")
         for low, high, centre in zip(asset["bounds_min"], asset["bounds_max"], asset["centroid"]):
@@ -156,15 +161,35 @@ class Pack:
             check(contact[3] < 27 and contact[4] < self.max_rocks_per_cell, name + "contact")
             check(previous < contact[3:5], name + "order of contacts")
             previous = contact[3:5]
+
+    def check_levels(self, number):
+        name = f"mesh {number}: "
         for lod in range(self.lod_count):
-            _, triangles, error = self.lods[number * self.lod_count + lod]
+            digest, triangles, error = self.lods[number * self.lod_count + lod]
             offset, size, vertices = self.blob_index[number * self.lod_count + lod]
             check(4 * offset + size <= len(self.sections[BLOBS]), name + "blob")
-            check(triangles <= 16 * size and vertices <= 3 * triangles, name + "triangles")
+            check(1 <= triangles <= 16 * size and vertices <= 3 * triangles, name + "triangles")
             check(0 <= error <= 16, name + "error")
             blob = self.sections[BLOBS][4 * offset : 4 * offset + size]
-            # Draco's own header: magic, version, geometry type (1 = mesh).
-            check(triangles == 0 or blob[:8] == b"DRACO\x02\x02\x01", name + "no Draco bytes")
+            if lod + 1 == self.lod_count:
+                self.check_plain_mesh(name, blob, vertices, triangles, digest)
+            else:
+                # Draco's own header: magic, version, geometry type (1 = mesh).
+                check(blob[:8] == b"DRACO\x02\x02\x01", name + "no Draco bytes")
+
+    def check_plain_mesh(self, name, blob, vertices, triangles, digest):
+        check(vertices <= 65536 and len(blob) >= 8, name + "plain mesh")
+        *base, position_size, index_size = struct.unpack_from("<3hBB", blob)
+        check(position_size in (1, 2) and index_size in (1, 2), name + "widths of a plain mesh")
+        check(len(blob) == 8 + (3 * position_size + 1) * vertices + 3 * index_size * triangles, name + "size of a plain mesh")
+        layout = f"<{3 * vertices}{'BH'[position_size - 1]}{vertices}B{3 * triangles}{'BH'[index_size - 1]}"
+        numbers = struct.unpack_from(layout, blob, 8)
+        steps, occlusion, corners = numbers[: 3 * vertices], numbers[3 * vertices : 4 * vertices], numbers[4 * vertices :]
+        positions = [tuple(b + s for b, s in zip(base, steps[i : i + 3])) for i in range(0, len(steps), 3)]
+        check(all(max(p) < 32768 for p in positions), name + "positions of a plain mesh")
+        check(max(corners) < vertices, name + "triangles of a plain mesh")
+        mesh = [corners[i : i + 3] for i in range(0, len(corners), 3)]
+        check(mesh_digest(positions, occlusion, mesh) == digest, name + "digest of a plain mesh")
 
     def contacts_of(self, asset):
         return self.contacts[asset["first_contact"] : asset["first_contact"] + asset["contact_count"]]
@@ -187,8 +212,18 @@ def same(name, mine, theirs):
         check(mine == theirs, f"{name}: {mine} here, {theirs} in scree-info")
 
 
+def same_levels(name, pack, levels, theirs):
+    blobs = [pack.blob_index[i] for i in levels]
+    errors = sorted(pack.lods[i][2] for i in levels)
+    same(name + ".triangles", sum(pack.lods[i][1] for i in levels), theirs["triangles"])
+    same(name + ".vertices", sum(blob[2] for blob in blobs), theirs["vertices"])
+    same(name + ".bytes", sum(blob[1] for blob in blobs), theirs["bytes"])
+    same(name + ".error", errors[-1], theirs["error"])
+    same(name + ".error_95", errors[(95 * len(errors) + 99) // 100 - 1], theirs["error_95"])
+
+
 def compare(pack, info):
-    for name in "format_version file_size cells_per_cube lattice_per_cell lod_count max_rocks_per_cell max_radius".split():
+    for name in "format_version file_size cells_per_cube lattice_per_cell lod_count max_rocks_per_cell max_radius proxy_per_cell".split():
         same(name, getattr(pack, name), info[name])
     same("digest", f"{pack.digest:016x}", info["digest"])
     same("cells", pack.cell_count, info["cells"])
@@ -197,19 +232,22 @@ def compare(pack, info):
     for kind, name in enumerate(NAMES, 1):
         same(f"sections.{name}", len(pack.sections[kind]), info["sections"][name])
     same("contacts", len(pack.contacts), info["contacts"])
+    same("proxy_count", pack.proxy_count, info["proxy_count"])
+    same("burial", [sum(asset["burial"] == b for asset in pack.assets) for b in range(1, 5)], info["burial"])
     for lod in range(pack.lod_count):
-        triangles = [pack.lods[i][1] for i in range(lod, len(pack.lods), pack.lod_count)]
-        blobs = [pack.blob_index[i] for i in range(lod, len(pack.lods), pack.lod_count)]
-        same(f"lods[{lod}].triangles", sum(triangles), info["lods"][lod]["triangles"])
-        same(f"lods[{lod}].vertices", sum(blob[2] for blob in blobs), info["lods"][lod]["vertices"])
-        same(f"lods[{lod}].bytes", sum(blob[1] for blob in blobs), info["lods"][lod]["bytes"])
+        rocks = range(lod, pack.asset_count * pack.lod_count, pack.lod_count)
+        same_levels(f"lods[{lod}]", pack, rocks, info["lods"][lod])
+        if pack.proxy_count:
+            for kind, parts in (("whole", [0]), ("parts", range(1, 9))):
+                proxies = [(pack.asset_count + 9 * code + part) * pack.lod_count + lod for code in range(256) for part in parts]
+                same_levels(f"proxies.{kind}[{lod}]", pack, proxies, info["proxies"][kind][lod])
     check(len(info["examples"]) >= 1, "scree-info shows no examples")
     scale = lambda steps: [struct.unpack("<f", struct.pack("<f", v / pack.lattice_per_cell))[0] for v in steps]
     for example in info["examples"]:
         number = example["asset"]
         asset = pack.assets[number]
         name = f"examples[asset {number}]."
-        for key in ("cell", "seed", "volume", "inner_radius", "outer_radius", "centroid"):
+        for key in ("cell", "seed", "burial", "volume", "inner_radius", "outer_radius", "centroid"):
             same(name + key, asset[key], example[key])
         same(name + "bounds_min", scale(asset["bounds_min"]), example["bounds_min"])
         same(name + "bounds_max", scale(asset["bounds_max"]), example["bounds_max"])

@@ -52,6 +52,8 @@ static void what_is_written_is_what_is_read(void** state) {
   assert_int_equal(info.cell_count, 2266);
   assert_int_equal(info.asset_count, set->rock_count);
   assert_int_equal(info.lod_count, 3);
+  assert_int_equal(info.proxy_count + info.proxy_per_cell, 0);
+  assert_int_equal(scree_pack_proxy(pack, 0, 0), UINT32_MAX);
   assert_int_equal(info.max_rocks_per_cell, 3);
   assert_string_equal(info.recipe, set->recipe);
   assert_int_equal(info.recipe_size, strlen(set->recipe));
@@ -64,6 +66,7 @@ static void what_is_written_is_what_is_read(void** state) {
     assert_int_equal(scree_pack_get_asset(pack, i, &asset), SCREE_OK);
     assert_int_equal(asset.cell, rock->cell);
     assert_int_equal(asset.seed, rock->seed);
+    assert_int_equal(asset.burial, rock->burial);
     assert_true(asset.volume == rock->volume && asset.inner_radius == rock->inner_radius);
     assert_true(asset.outer_radius == rock->outer_radius);
     if (rock->outer_radius > max_radius) max_radius = rock->outer_radius;
@@ -339,6 +342,8 @@ static void other_magic_and_version_have_codes_of_their_own(void** state) {
   scree_pack* pack;
   header_of(bytes)->format_version = PACK_FORMAT_VERSION + 1;
   assert_int_equal(open_resealed(bytes, size), SCREE_ERROR_VERSION);
+  header_of(bytes)->format_version = PACK_FORMAT_VERSION - 1;
+  assert_int_equal(open_resealed(bytes, size), SCREE_ERROR_VERSION);
   header_of(bytes)->format_version = 0;
   assert_int_equal(open_resealed(bytes, size), SCREE_ERROR_VERSION);
   bytes[0] = 'S';
@@ -431,7 +436,10 @@ static void records_that_cannot_be_are_refused_where_they_are_read(void** state)
   REFUSED(asset->first_contact, contacts, scree_pack_get_contacts(pack, 0, c, 64, &x));
   REFUSED(asset->first_contact, UINT32_MAX, scree_pack_get_contacts(pack, 0, c, 64, &x));
   REFUSED(asset->first_contact, UINT32_MAX, scree_pack_get_asset(pack, 0, &a));
-  REFUSED(asset->contact_count, UINT16_MAX, scree_pack_get_contacts(pack, 0, c, 64, &x));
+  REFUSED(asset->contact_count, UINT8_MAX, scree_pack_get_contacts(pack, 0, c, 64, &x));
+  REFUSED(asset->burial, 0, scree_pack_get_asset(pack, 0, &a));
+  REFUSED(asset->burial, SCREE_BURIAL_NEVER + 1, scree_pack_get_asset(pack, 0, &a));
+  REFUSED(lod->triangles, 0, scree_pack_get_lod(pack, 0, 0, &l));
   REFUSED(asset->first_hull, hull_vertices - 3, scree_pack_get_hull(pack, 0, h[0], PACK_MAX_HULL, &x));
   REFUSED(asset->first_hull, UINT32_MAX, scree_pack_get_asset(pack, 0, &a));
   REFUSED(contact->neighbour, PACK_NEIGHBOURS, scree_pack_get_contacts(pack, 0, c, 64, &x));
@@ -567,7 +575,11 @@ static void the_writer_refuses_sets_that_break_the_format(void** state) {
   UNWRITABLE(rock->cell, 1, SCREE_ERROR_INVALID_ARGUMENT);
   UNWRITABLE(rock->seed, PACK_MAX_ROCKS_PER_CELL, SCREE_ERROR_RANGE);
   UNWRITABLE(rock[2].seed, rock[1].seed, SCREE_ERROR_INVALID_ARGUMENT);
-  UNWRITABLE(rock->contact_count, UINT16_MAX + 1, SCREE_ERROR_RANGE);
+  UNWRITABLE(rock->contact_count, UINT8_MAX + 1, SCREE_ERROR_RANGE);
+  UNWRITABLE(rock->burial, 0, SCREE_ERROR_RANGE);
+  UNWRITABLE(rock->burial, SCREE_BURIAL_NEVER + 1, SCREE_ERROR_RANGE);
+  UNWRITABLE(rock->lods[0].triangle_count, 0, SCREE_ERROR_INVALID_ARGUMENT);
+  UNWRITABLE(set->proxy_per_cell, 20, SCREE_ERROR_INVALID_ARGUMENT);
   UNWRITABLE(rock->outer_radius, 0, SCREE_ERROR_INVALID_ARGUMENT);
   UNWRITABLE(rock->lods[0].triangle_count, UINT32_MAX, SCREE_ERROR_RANGE);
   UNWRITABLE(set->cells_per_cube, 0, SCREE_ERROR_RANGE);

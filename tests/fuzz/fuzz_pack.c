@@ -44,6 +44,9 @@ static void read_mesh(const scree_pack* pack, uint32_t asset, uint32_t lod) {
     for (size_t i = 0; i < indices; ++i)
       if (wide[i] >= level.vertices) abort();
   scree_draco_decode_u16(pack, asset, lod, vertices, level.vertices, narrow, indices);
+  if (scree_pack_coarse_mesh(pack, asset, vertices, level.vertices, narrow, indices) == SCREE_OK)
+    for (uint32_t i = 0; i < level.vertices; ++i)
+      if (vertices[i].padding != 0) abort();
   free(narrow);
   free(wide);
   free(vertices);
@@ -84,6 +87,8 @@ static void read_through(const void* bytes, size_t size) {
     scree_pack_get_hull(pack, a, hull, PACK_MAX_HULL, &count);
     for (uint32_t lod = 0; lod < info.lod_count; ++lod) read_mesh(pack, a, lod);
   }
+  for (uint32_t part = 0; part < 9 && info.proxy_count > 0; ++part)
+    for (uint32_t lod = 0; lod < info.lod_count; ++lod) read_mesh(pack, scree_pack_proxy(pack, 255, part), lod);
   uint32_t cell, first, count;
   for (uint32_t code = 0; code < 256; code += 17)
     if (scree_pack_tile_cell(pack, code, 0, info.cells_per_cube - 1, 0, &cell) == SCREE_OK) {

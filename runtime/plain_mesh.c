@@ -1,0 +1,80 @@
+#include "plain_mesh.h"
+
+#include <string.h>
+
+#include "mesh_normals.h"
+
+/* Element `index` of an array of numbers of 1 or 2 bytes, which may lie anywhere. */
+static uint32_t number_at(const uint8_t* numbers, uint32_t size, size_t index) {
+  if (size == 1) return numbers[index];
+  uint16_t wide;
+  memcpy(&wide, numbers + index * sizeof wide, sizeof wide);
+  return wide;
+}
+
+bool scree_rt_plain_mesh_read(const uint8_t* blob, size_t blob_size, uint32_t vertex_count, uint32_t triangle_count,
+                              plain_mesh* out) {
+  if (blob_size < PLAIN_MESH_HEAD || vertex_count > PLAIN_MESH_MAX_VERTICES) return false;
+  memcpy(out->base, blob, sizeof out->base);
+  out->position_size = blob[6];
+  out->index_size = blob[7];
+  if (out->position_size < 1 || out->position_size > 2 || out->index_size < 1 || out->index_size > 2) return false;
+  out->vertex_count = vertex_count;
+  out->triangle_count = triangle_count;
+  const uint64_t position_bytes = (uint64_t)vertex_count * 3 * out->position_size;
+  const uint64_t index_bytes = (uint64_t)triangle_count * 3 * out->index_size;
+  if (blob_size != PLAIN_MESH_HEAD + position_bytes + vertex_count + index_bytes) return false;
+  out->positions = blob + PLAIN_MESH_HEAD;
+  out->occlusion = out->positions + position_bytes;
+  out->indices = out->occlusion + vertex_count;
+
+  for (size_t i = 0; i < (size_t)vertex_count * 3; ++i)
+    if (out->base[i % 3] + (int32_t)number_at(out->positions, out->position_size, i) > INT16_MAX) return false;
+  for (size_t i = 0; i < (size_t)triangle_count * 3; ++i)
+    if (number_at(out->indices, out->index_size, i) >= vertex_count) return false;
+  return true;
+}
+
+/* Vertices whose normals are summed at once, on the stack: the runtime's smallest meshes need one pass, and none needs memory. */
+#define BATCH 128
+
+static void add_normals(const plain_mesh* mesh, const scree_vertex* vertices, uint32_t first, int64_t (*sums)[3]) {
+  for (size_t t = 0; t < (size_t)mesh->triangle_count * 3; t += 3) {
+    uint32_t corner[3];
+    bool near = false;
+    for (size_t k = 0; k < 3; ++k) {
+      corner[k] = number_at(mesh->indices, mesh->index_size, t + k);
+      near |= corner[k] - first < BATCH;
+    }
+    if (!near) continue;
+    const int16_t *a = vertices[corner[0]].position, *b = vertices[corner[1]].position, *c = vertices[corner[2]].position;
+    const int64_t u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, v[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
+    const int64_t n[3] = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
+    for (int k = 0; k < 3; ++k)
+      if (corner[k] - first < BATCH)
+        for (int axis = 0; axis < 3; ++axis) sums[corner[k] - first][axis] += n[axis];
+  }
+}
+
+void scree_rt_plain_mesh_decode(const plain_mesh* mesh, scree_vertex* vertices, void* indices, uint32_t index_size) {
+  for (uint32_t v = 0; v < mesh->vertex_count; ++v) {
+    scree_vertex vertex = {.occlusion = mesh->occlusion[v]};
+    for (uint32_t axis = 0; axis < 3; ++axis)
+      vertex.position[axis] =
+          (int16_t)(mesh->base[axis] + (int32_t)number_at(mesh->positions, mesh->position_size, (size_t)v * 3 + axis));
+    vertices[v] = vertex;
+  }
+  for (uint32_t first = 0; first < mesh->vertex_count; first += BATCH) {
+    int64_t sums[BATCH][3] = {{0}};
+    add_normals(mesh, vertices, first, sums);
+    for (uint32_t v = first; v < mesh->vertex_count && v - first < BATCH; ++v)
+      scree_rt_mesh_normal(sums[v - first], vertices[v].normal);
+  }
+  for (size_t i = 0; i < (size_t)mesh->triangle_count * 3; ++i) {
+    const uint32_t index = number_at(mesh->indices, mesh->index_size, i);
+    if (index_size == sizeof(uint32_t))
+      ((uint32_t*)indices)[i] = index;
+    else
+      ((uint16_t*)indices)[i] = (uint16_t)index;
+  }
+}
