@@ -2,13 +2,12 @@
 #define _POSIX_C_SOURCE 200809L
 #include <errno.h>
 #include <scree/bake.h>
+#include <scree/threads.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-#include "threads.h"
 
 static const char usage[] =
     "Usage: scree-bake RECIPE.json -o PACK.scree [options]\n"
@@ -17,7 +16,7 @@ static const char usage[] =
     "\n"
     "  -o, --output FILE    the pack to write (a temporary file beside it is renamed when all is well)\n"
     "      --set KEY=VALUE  override a key of the recipe, VALUE as in JSON: --set n=5 --set g=[1,2]; may be repeated\n"
-    "      --threads N      worker threads, 1..256; default: one a processor. The pack does not depend on it\n"
+    "      --threads N      worker threads, 1..64; default: one a processor. The pack does not depend on it\n"
     "      --report FILE    write rocks, triangles, bytes, digest and seconds by stage as JSON; - is standard output\n"
     "      --print-recipe   print the recipe with every key and its value, and stop\n"
     "  -q, --quiet          no progress, no summary\n"
@@ -67,8 +66,8 @@ static int parse_options(int count, char** arguments, options* out) {
       } else if (strcmp(name, "--threads") == 0) {
         char* end;
         const long threads = strtol(value, &end, 10);
-        if (*value == '\0' || *end != '\0' || threads < 1 || threads > 256)
-          return fail(2, value, "--threads takes a number from 1 to 256");
+        if (*value == '\0' || *end != '\0' || threads < 1 || threads > 64)
+          return fail(2, value, "--threads takes a number from 1 to 64");
         out->threads = (uint32_t)threads;
       } else if (strcmp(name, "--report") == 0)
         out->report = value;
@@ -235,11 +234,15 @@ int main(int count, char** arguments) {
   if (reports_to_file && !can_write(given.report)) return fail(2, given.report, strerror(errno));
 
   const bool terminal = isatty(STDERR_FILENO) != 0 && !given.quiet;
-  const scree_bake_desc desc = {
-      .recipe = &recipe, .jobs = threads_jobs(given.threads), .progress = terminal ? show_progress : NULL};
+  const uint32_t threads = given.threads > 0 ? given.threads : scree_threads_processors();
+  scree_threads* pool;
+  result = scree_threads_create(threads - 1, NULL, &pool);
+  if (result != SCREE_OK) return fail(1, "threads", scree_result_string(result));
+  const scree_bake_desc desc = {.recipe = &recipe, .jobs = scree_threads_jobs(pool), .progress = terminal ? show_progress : NULL};
   uint8_t* bytes;
   scree_bake_report report;
   result = scree_bake_rocks(&desc, &bytes, &size, &report, &error);
+  scree_threads_destroy(pool);
   if (terminal) fprintf(stderr, "\r%*s\r", 60, "");
   if (result != SCREE_OK)
     return fail(result == SCREE_ERROR_RANGE ? 2 : 1, given.recipe,

@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <scree/draco.h>
+#include <scree/threads.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,7 +13,6 @@
 #include "file.h"
 #include "info_report.h"
 #include "rock_export.h"
-#include "workers.h"
 
 static const char usage[] =
     "usage: scree-info PACK.scree [options]\n"
@@ -198,9 +198,8 @@ static scree_result print_report(const options* o, const scree_pack* pack, const
   return printed ? SCREE_OK : fail_with(error, SCREE_ERROR_IO, "standard output cannot be written");
 }
 
-static int run(options* o, const scree_pack* pack) {
+static int run(options* o, const scree_pack* pack, const scree_jobs* jobs) {
   scree_error error;
-  const scree_jobs jobs = workers_jobs(o->threads);
   scree_result result = scree_pack_verify(pack);
   if (result != SCREE_OK) {
     fail_with(&error, result, "%s: %s", o->pack, scree_result_string(result));
@@ -211,7 +210,7 @@ static int run(options* o, const scree_pack* pack) {
   uint32_t asset;
   result = info_gather(pack, report, &asset);
   if (result != SCREE_OK) fail_with(&error, result, "%s: asset %u: %s", o->pack, asset, scree_result_string(result));
-  if (result == SCREE_OK) result = check_meshes(pack, &report->pack, &jobs, o->pack, &error);
+  if (result == SCREE_OK) result = check_meshes(pack, &report->pack, jobs, o->pack, &error);
   int status = result == SCREE_OK ? 0 : fault(result, &error);
   const scree_pack_info* info = &report->pack;
   if (status == 0 && o->glb != NULL) {
@@ -222,7 +221,7 @@ static int run(options* o, const scree_pack* pack) {
     } else if (o->lod >= info->lod_count) {
       fail_with(&error, SCREE_ERROR_RANGE, "--lod: %s has levels 0-%u", o->pack, info->lod_count - 1);
       status = bad_input(&error);
-    } else if (write_glb(o, pack, info, &jobs, &error) != SCREE_OK) {
+    } else if (write_glb(o, pack, info, jobs, &error) != SCREE_OK) {
       bad_input(&error);
       status = 1;
     }
@@ -276,12 +275,17 @@ int main(int argc, char** argv) {
   }
   if (o.glb != NULL && file_replace_check(o.glb, &error) != SCREE_OK) return bad_input(&error);
   scree_pack* pack;
-  const scree_result result = scree_pack_open_file(o.pack, NULL, &pack);
+  scree_result result = scree_pack_open_file(o.pack, NULL, &pack);
   if (result != SCREE_OK) {
     fail_with(&error, result, "%s: %s", o.pack, scree_result_string(result));
     return fault(result, &error);
   }
-  const int status = run(&o, pack);
+  scree_threads* pool;
+  result = scree_threads_create((o.threads > 0 ? o.threads : scree_threads_processors()) - 1, NULL, &pool);
+  if (result != SCREE_OK) fail_with(&error, result, "--threads: %s", scree_result_string(result));
+  const scree_jobs jobs = scree_threads_jobs(pool);
+  const int status = result == SCREE_OK ? run(&o, pack, &jobs) : fault(result, &error);
+  scree_threads_destroy(pool);
   scree_pack_close(pack);
   return status;
 }

@@ -3,6 +3,7 @@
 
 #include <scree/draco.h>
 #include <scree/field.h>
+#include <scree/threads.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,7 +15,6 @@
 #include "rock_export.h"
 #include "scene_support.h"
 #include "timer.h"
-#include "workers.h"
 
 static const char usage[] =
     "usage: scree-scatter SCENE.json -o OUT.glb [options]\n"
@@ -288,8 +288,12 @@ int main(int argc, char** argv) {
   if (s == NULL) return 1;
   s->options = &o;
   s->paths = (scene_paths){o.scene, o.packs, o.data};
-  s->jobs = workers_jobs(o.threads);
-  int status = run(s);
+  scree_threads* pool;
+  scree_result result = scree_threads_create((o.threads > 0 ? o.threads : scree_threads_processors()) - 1, NULL, &pool);
+  if (result != SCREE_OK) fail_with(&s->error, result, "--threads: %s", scree_result_string(result));
+  s->jobs = scree_threads_jobs(pool);
+  int status = result == SCREE_OK ? run(s) : finish(s, result, false);
+  scree_threads_destroy(pool);
   rock_export_abort(s->export);
   for (uint32_t i = 0; i < s->packs.count; ++i) scree_pack_close(s->packs.items[i].pack);
   scene_files_destroy(s->files);

@@ -1,4 +1,5 @@
 /* scree-view: a scene in a window, or as one picture without a display. */
+#include <scree/threads.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,7 +10,6 @@
 #include "timer.h"
 #include "view_options.h"
 #include "window.h"
-#include "workers.h"
 
 static int fail(scree_result result, const char* message) {
   fprintf(stderr, "scree-view: %s\n", message[0] != 0 ? message : scree_result_string(result));
@@ -17,9 +17,9 @@ static int fail(scree_result result, const char* message) {
 }
 
 /* Writes the picture; the renderer's context is current. */
-static int take_picture(const view_options* options, const scene_model* scene, render* r) {
+static int take_picture(const view_options* options, const scene_model* scene, const scree_jobs* jobs, render* r) {
   scree_error error = {""};
-  const stage_desc desc = {.renderer = r, .scene = scene, .paths = options->paths, .jobs = workers_jobs(0)};
+  const stage_desc desc = {.renderer = r, .scene = scene, .paths = options->paths, .jobs = *jobs};
   double start = timer_seconds();
   stage* s;
   scree_result result = stage_create(&desc, &s, &error);
@@ -73,19 +73,19 @@ static int take_picture(const view_options* options, const scene_model* scene, r
   return status;
 }
 
-static int run_headless(const view_options* options, const scene_model* scene) {
+static int run_headless(const view_options* options, const scene_model* scene, const scree_jobs* jobs) {
   scree_error error = {""};
   headless* context;
   scree_result result = headless_create(&context, &error);
   if (result != SCREE_OK) return fail(result, error.message);
-  const render_desc desc = {.no_indirect = options->no_indirect, .jobs = workers_jobs(0)};
+  const render_desc desc = {.no_indirect = options->no_indirect, .jobs = *jobs};
   render* r;
   int status;
   result = render_create(&desc, &r, &error);
   if (result != SCREE_OK) {
     status = fail(result, error.message);
   } else {
-    status = take_picture(options, scene, r);
+    status = take_picture(options, scene, jobs, r);
     render_destroy(r);
   }
   headless_destroy(context);
@@ -103,11 +103,15 @@ int main(int count, char** arguments) {
   if (options.headless) result = file_replace_check(options.screenshot, &error);
   const bool logs_to_file = options.log != NULL && strcmp(options.log, "-") != 0;
   if (result == SCREE_OK && logs_to_file) result = file_replace_check(options.log, &error);
+  scree_threads* pool = NULL;
+  if (result == SCREE_OK) result = scree_threads_create(scree_threads_processors() - 1, NULL, &pool);
   if (result != SCREE_OK) {
     scene_destroy(&scene);
     return fail(result, error.message);
   }
-  status = options.headless ? run_headless(&options, &scene) : window_run(&options, &scene);
+  const scree_jobs jobs = scree_threads_jobs(pool);
+  status = options.headless ? run_headless(&options, &scene, &jobs) : window_run(&options, &scene, &jobs);
+  scree_threads_destroy(pool);
   scene_destroy(&scene);
   return status;
 }

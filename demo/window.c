@@ -15,7 +15,6 @@
 #include "panel.h"
 #include "stage.h"
 #include "timer.h"
-#include "workers.h"
 
 #define SAMPLES_STILL 48  /* of a picture that does not move */
 #define DECODE_MOVING 192 /* meshes a frame while something moves */
@@ -538,12 +537,12 @@ static GLFWwindow* open_window(const view_options* options) {
   return window;
 }
 
-static int show(viewer* v) {
+static int show(viewer* v, const scree_jobs* jobs) {
   scree_error error = {""};
-  const render_desc desc = {.no_indirect = v->options->no_indirect, .jobs = workers_jobs(0)};
+  const render_desc desc = {.no_indirect = v->options->no_indirect, .jobs = *jobs};
   scree_result result = render_create(&desc, &v->renderer, &error);
   if (result == SCREE_OK) {
-    const stage_desc wanted = {.renderer = v->renderer, .scene = v->scene, .paths = v->options->paths, .jobs = workers_jobs(0)};
+    const stage_desc wanted = {.renderer = v->renderer, .scene = v->scene, .paths = v->options->paths, .jobs = *jobs};
     result = stage_create(&wanted, &v->stage, &error);
   }
   if (result != SCREE_OK) {
@@ -587,7 +586,7 @@ static void refuse_window(void) {
           reason != NULL ? reason : "no reason given");
 }
 
-int window_run(const view_options* options, scene_model* scene) {
+int window_run(const view_options* options, scene_model* scene, const scree_jobs* jobs) {
   if (!glfwInit()) {
     refuse_window();
     return 1;
@@ -603,7 +602,7 @@ int window_run(const view_options* options, scene_model* scene) {
     glfwMakeContextCurrent(v->window);
     glfwSwapInterval(1);
     v->log = view_log_open(options);
-    status = show(v);
+    status = show(v, jobs);
     panel_destroy(v->panel);
     outline_free(&v->outline);
     edit_end(&v->edit);

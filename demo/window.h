@@ -4,7 +4,8 @@
 
 #include "view_options.h"
 
-/* Shows and edits `scene`. Returns the exit status: 0, 1 (no display, no OpenGL, no memory) or 2 (the scene cannot be shown). */
-int window_run(const view_options* options, scene_model* scene);
+/* Shows and edits `scene`; jobs: who queries and decodes. Returns the exit status: 0, 1 (no display, no OpenGL, no memory) or 2
+ * (the scene cannot be shown). */
+int window_run(const view_options* options, scene_model* scene, const scree_jobs* jobs);
 
 #endif

@@ -259,5 +259,5 @@ scree_tasks scree_threads_tasks(scree_threads* pool) {
 
 uint32_t scree_threads_processors(void) {
   const long count = sysconf(_SC_NPROCESSORS_ONLN);
-  return count < 1 ? 1 : (uint32_t)count;
+  return count < 1 ? 1 : count > THREADS_MAX ? THREADS_MAX : (uint32_t)count;
 }

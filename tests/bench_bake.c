@@ -1,12 +1,12 @@
 /* scree-bench-bake [NAME]: how long rocks take to bake, one JSON object a line, for ./dev bench. The reference is what Peytavie et
  * al. report for the same number of rocks in 2009; a ratio above 1 is faster than that. */
+#include <scree/threads.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "bake_internal.h"
 #include "clock.h"
-#include "threads.h"
 
 static const char* prefix = "";
 
@@ -75,7 +75,10 @@ static void bench_pack(void) {
   if (!wanted("rocks.pack_seconds") && !wanted("rocks.pack_megabytes")) return;
   scree_recipe recipe;
   scree_recipe_default(&recipe);
-  const scree_bake_desc desc = {.recipe = &recipe, .jobs = threads_jobs(2)};
+  scree_threads* pool;
+  const scree_result started = scree_threads_create(1, NULL, &pool);
+  if (started != SCREE_OK) end(started);
+  const scree_bake_desc desc = {.recipe = &recipe, .jobs = scree_threads_jobs(pool)};
   double seconds[3], megabytes = 0;
   for (int run = 0; run < 3; ++run) {
     const double start = clock_seconds();
@@ -87,6 +90,7 @@ static void bench_pack(void) {
     megabytes = (double)size * 1e-6;
     scree_bake_free(&desc, bytes, size);
   }
+  scree_threads_destroy(pool);
   qsort(seconds, 3, sizeof *seconds, compare);
   if (wanted("rocks.pack_seconds")) print_row("rocks.pack_seconds", seconds[1], "s", 0);
   if (wanted("rocks.pack_megabytes")) print_row("rocks.pack_megabytes", megabytes, "MB", 0);

@@ -1,6 +1,7 @@
 /* Whole bakes of the paper's three sizes, cheap ones: as many rocks as the formula says. */
 #include <scree/bake.h>
 #include <scree/pack.h>
+#include <scree/threads.h>
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -8,11 +9,11 @@
 
 #include <cmocka.h>
 
-#include "threads.h"
-
 static void unique_rocks_number_7382_17202_and_33262(void** state) {
   (void)state;
   static const uint32_t counts[3] = {7382, 17202, 33262};
+  scree_threads* pool;
+  assert_int_equal(scree_threads_create(1, NULL, &pool), SCREE_OK);
   for (uint32_t i = 0; i < 3; ++i) {
     scree_recipe recipe;
     scree_recipe_default(&recipe);
@@ -22,7 +23,7 @@ static void unique_rocks_number_7382_17202_and_33262(void** state) {
     recipe.noise = 0;
     recipe.chisel_planes = 0;
     recipe.erosion_steps = 0;
-    const scree_bake_desc desc = {.recipe = &recipe, .jobs = threads_jobs(2)};
+    const scree_bake_desc desc = {.recipe = &recipe, .jobs = scree_threads_jobs(pool)};
     uint8_t* bytes;
     size_t size;
     scree_bake_report report;
@@ -43,6 +44,7 @@ static void unique_rocks_number_7382_17202_and_33262(void** state) {
     scree_pack_close(pack);
     scree_bake_free(&desc, bytes, size);
   }
+  scree_threads_destroy(pool);
 }
 
 int main(void) {

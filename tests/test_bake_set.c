@@ -1,6 +1,7 @@
 /* A whole bake: the same bytes whatever the threads and kernels, progress, cancelling, and memory that runs short anywhere. */
 #include <scree/bake.h>
 #include <scree/pack.h>
+#include <scree/threads.h>
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -11,7 +12,6 @@
 #include <cmocka.h>
 
 #include "bake_internal.h"
-#include "threads.h"
 
 static scree_recipe small_recipe(void) {
   scree_recipe recipe;
@@ -20,6 +20,13 @@ static scree_recipe small_recipe(void) {
   recipe.voxels_per_cell = 6;
   recipe.lod_levels = 2;
   return recipe;
+}
+
+/* `threads` of them, the calling one among them. */
+static scree_threads* pool_of(uint32_t threads) {
+  scree_threads* pool;
+  assert_int_equal(scree_threads_create(threads - 1, NULL, &pool), SCREE_OK);
+  return pool;
 }
 
 static void threads_make_no_difference_to_a_byte(void** state) {
@@ -31,9 +38,11 @@ static void threads_make_no_difference_to_a_byte(void** state) {
   size_t first_size = 0, size;
   uint64_t digest = 0;
   for (int i = 0; i < 3; ++i) {
-    const scree_bake_desc desc = {.recipe = &recipe, .jobs = threads_jobs(threads[i])};
+    scree_threads* pool = pool_of(threads[i]);
+    const scree_bake_desc desc = {.recipe = &recipe, .jobs = scree_threads_jobs(pool)};
     scree_bake_report report;
     assert_int_equal(scree_bake_rocks(&desc, &bytes, &size, &report, NULL), SCREE_OK);
+    scree_threads_destroy(pool);
     assert_int_equal(report.bytes, size);
     if (i == 0) {
       first = bytes;
@@ -123,10 +132,12 @@ static void progress_never_falls_and_is_told_by_one_at_a_time(void** state) {
   static const uint32_t threads[2] = {1, 5};
   for (int i = 0; i < 2; ++i) {
     watcher w = {.stop_at = 2};
-    const scree_bake_desc desc = {.recipe = &recipe, .jobs = threads_jobs(threads[i]), .progress = watch, .progress_user = &w};
+    scree_threads* pool = pool_of(threads[i]);
+    const scree_bake_desc desc = {.recipe = &recipe, .jobs = scree_threads_jobs(pool), .progress = watch, .progress_user = &w};
     uint8_t* bytes;
     size_t size;
     assert_int_equal(scree_bake_rocks(&desc, &bytes, &size, NULL, NULL), SCREE_OK);
+    scree_threads_destroy(pool);
     scree_bake_free(&desc, bytes, size);
     assert_int_equal(w.faults, 0);
     assert_true(w.calls >= 2);
@@ -165,14 +176,16 @@ static void a_cancelled_bake_leaves_nothing_behind(void** state) {
   for (int i = 0; i < 6; ++i) {
     watcher w = {.stop_at = stops[i / 2]};
     host h = {.fail_at = 0};
+    scree_threads* pool = pool_of(threads[i % 2]);
     const scree_bake_desc desc = {.recipe = &recipe,
-                                  .jobs = threads_jobs(threads[i % 2]),
+                                  .jobs = scree_threads_jobs(pool),
                                   .allocator = {host_alloc, host_release, &h},
                                   .progress = watch,
                                   .progress_user = &w};
     uint8_t* bytes = (uint8_t*)1;
     size_t size = 1;
     const scree_result result = scree_bake_rocks(&desc, &bytes, &size, NULL, NULL);
+    scree_threads_destroy(pool);
     /* With threads the last call may tell of less than all. */
     if (stops[i / 2] < 1 || threads[i % 2] == 1) assert_int_equal(result, SCREE_ERROR_CANCELLED);
     if (result == SCREE_OK) scree_bake_free(&desc, bytes, size);
@@ -231,10 +244,12 @@ static void seeds_whose_rocks_are_empty_leave_gaps_in_the_numbers(void** state) 
   recipe.seeds_min = 3, recipe.seeds_max = 5;
   recipe.g = (scree_range){0.05, 16};
   recipe.erosion = 0.1;
-  const scree_bake_desc desc = {.recipe = &recipe, .jobs = threads_jobs(2)};
+  scree_threads* pool = pool_of(2);
+  const scree_bake_desc desc = {.recipe = &recipe, .jobs = scree_threads_jobs(pool)};
   uint8_t* bytes;
   size_t size;
   assert_int_equal(scree_bake_rocks(&desc, &bytes, &size, NULL, NULL), SCREE_OK);
+  scree_threads_destroy(pool);
   scree_pack* pack;
   assert_int_equal(scree_pack_open_memory(bytes, size, NULL, &pack), SCREE_OK);
   assert_int_equal(scree_pack_verify(pack), SCREE_OK);

@@ -12,12 +12,12 @@
 /* after the four above */
 #include <cmocka.h>
 #include <math.h>
+#include <scree/threads.h>
 
 #include "file.h"
 #include "glb_scene.h"
 #include "make_pack.h"
 #include "rock_export.h"
-#include "workers.h"
 
 enum { LAYERS = 2, LODS = 3 };
 
@@ -101,12 +101,15 @@ static void export_layers(const char* path, rock_format format, uint32_t lod, ui
   scree_error error = {""};
   rock_export* file;
   rock_export_desc desc = {.path = path, .format = format, .lod = lod};
-  if (threads > 0) desc.jobs = workers_jobs(threads);
+  scree_threads* pool = NULL;
+  if (threads > 0) assert_int_equal(scree_threads_create(threads - 1, NULL, &pool), SCREE_OK);
+  desc.jobs = scree_threads_jobs(pool);
   scree_result result = rock_export_begin(&desc, &file, &error);
   for (int i = 0; i < LAYERS && result == SCREE_OK; ++i) result = rock_export_add(file, &layers[i], NULL, &error);
   if (result == SCREE_OK) result = rock_export_finish(file, stats, &error);
   assert_string_equal(error.message, "");
   assert_int_equal(result, SCREE_OK);
+  scree_threads_destroy(pool);
 }
 
 static void export_all(const char* path, rock_format format, uint32_t lod, uint32_t threads, rock_export_stats* stats) {

@@ -27,7 +27,8 @@ SCREE_API scree_jobs scree_threads_jobs(scree_threads* threads);
  * allocator, and where there is none, submit runs the task at once. NULL: all zero. */
 SCREE_API scree_tasks scree_threads_tasks(scree_threads* threads);
 
-/* How many processors the system has, >= 1. */
+/* How many processors the system has, as far as a pool makes use of them: 1..64. One thread fewer beside the calling one keeps them
+ * all busy. */
 SCREE_API uint32_t scree_threads_processors(void);
 
 #ifdef __cplusplus
