@@ -9,9 +9,8 @@
 
 #define FAR_CELL 1e15 /* beyond the cells of any int32 cube; doubles still count exactly */
 
-/* The first cell whose centre is at or past `bound`, both relative to the centre of cell 0. Boxes that share a face ask this with
- * the same numbers and get the same cell, so they neither share nor lose one. */
-static int64_t first_cell_from(double bound, double cell_size) {
+/* Boxes that share a face ask this with the same numbers and get the same cell, so they neither share nor lose one. */
+int64_t scree_rt_query_first_cell(double bound, double cell_size) {
   double cell = floor(bound / cell_size);
   if (!(cell > -FAR_CELL)) return (int64_t)-FAR_CELL;
   if (!(cell < FAR_CELL)) return (int64_t)FAR_CELL;
@@ -41,21 +40,17 @@ static bool is_everywhere(const scree_query_desc* d) {
   return true;
 }
 
-/* Cells of the box where the support can let a rock exist. Returns false when there are none. */
-static bool find_cells(const scree_query_desc* d, query_run* run) {
-  const scree_field* field = d->field;
+/* Cuts [low, high) to the cells where the support can let a rock exist. Returns false when none are left. */
+static bool cut_cells(query_run* run) {
+  const scree_field* field = run->field;
   double h = field->cell_size, low[3], high[3];
   double level = (double)run->offset_max > 0 ? (double)run->offset_max : 0;
-  if (!scree_rt_support_level_bounds(d->support, level, low, high)) return false;
-  bool everywhere = is_everywhere(d);
+  if (!scree_rt_support_level_bounds(run->support, level, low, high)) return false;
   for (int a = 0; a < 3; ++a) {
-    run->cell_low[a] = first_cell_from(low[a] - run->test_base[a] - (double)field->centroid_max[a], h) - 1;
-    run->cell_high[a] = first_cell_from(high[a] - run->test_base[a] - (double)field->centroid_min[a], h) + 2;
-    if (!everywhere) {
-      int64_t first = first_cell_from(d->min[a] - field->origin[a], h), end = first_cell_from(d->max[a] - field->origin[a], h);
-      if (first > run->cell_low[a]) run->cell_low[a] = first;
-      if (end < run->cell_high[a]) run->cell_high[a] = end;
-    }
+    int64_t first = scree_rt_query_first_cell(low[a] - run->test_base[a] - (double)field->centroid_max[a], h) - 1;
+    int64_t end = scree_rt_query_first_cell(high[a] - run->test_base[a] - (double)field->centroid_min[a], h) + 2;
+    if (first > run->cell_low[a]) run->cell_low[a] = first;
+    if (end < run->cell_high[a]) run->cell_high[a] = end;
     if (run->cell_low[a] >= run->cell_high[a]) return false;
   }
   return true;
@@ -95,6 +90,34 @@ static void run_best(query_run* run, query_kernel kernel) {
   scree_rt_query_run_plain(run);
 }
 
+/* Everything but the cells and the sinks. */
+static query_run prepare(const scree_field* field, const scree_support* support, const double origin[3], float threshold,
+                         float floor) {
+  query_run run = {.field = field, .support = support, .floor = floor};
+  for (int a = 0; a < 3; ++a) {
+    run.test_base[a] = field->origin[a] - support->origin[a];
+    run.out_base[a] = field->origin[a] - origin[a];
+  }
+  run.slope = (float)(1 - 2 * (threshold == 0 ? 0.5 : (double)threshold));
+  float a = run.slope * field->mean_radius_min, b = run.slope * field->mean_radius_max;
+  run.offset_min = a < b ? a : b;
+  run.offset_max = a < b ? b : a;
+  return run;
+}
+
+static scree_result run_prepared(query_run* run, query_kernel kernel, uint64_t* count) {
+  *count = 0;
+  if (!cut_cells(run)) return SCREE_OK;
+  scree_result result = find_cubes(run);
+  if (result != SCREE_OK) return result;
+  run->margin = rounding_margin(run);
+  run->relevant_low = run->floor - run->margin;
+  run->relevant_high = run->offset_max + run->margin;
+  run_best(run, kernel);
+  *count = run->count;
+  return SCREE_OK;
+}
+
 static scree_result execute(const scree_query_desc* d, query_kernel kernel, scree_instance* instances, scree_id* ids,
                             uint64_t capacity, uint64_t* count) {
   if (count == NULL) return SCREE_ERROR_INVALID_ARGUMENT;
@@ -103,29 +126,32 @@ static scree_result execute(const scree_query_desc* d, query_kernel kernel, scre
   if (result != SCREE_OK) return result;
 
   const scree_field* field = d->field;
-  query_run run = {.field = field, .support = d->support, .instances = instances, .ids = ids, .capacity = capacity};
-  for (int a = 0; a < 3; ++a) {
-    run.test_base[a] = field->origin[a] - d->support->origin[a];
-    run.out_base[a] = field->origin[a] - d->origin[a];
-  }
-  double threshold = d->threshold == 0 ? 0.5 : (double)d->threshold;
-  run.slope = (float)(1 - 2 * threshold);
-  float a = run.slope * field->mean_radius_min, b = run.slope * field->mean_radius_max;
-  run.offset_min = a < b ? a : b;
-  run.offset_max = a < b ? b : a;
-  run.floor = -INFINITY;
+  float floor = -INFINITY;
   if ((d->flags & SCREE_QUERY_SHELL) != 0)
-    run.floor = -(d->shell_depth > 0 ? d->shell_depth : (float)(2 * (double)field->max_radius * field->cell_size));
+    floor = -(d->shell_depth > 0 ? d->shell_depth : (float)(2 * (double)field->max_radius * field->cell_size));
+  query_run run = prepare(field, d->support, d->origin, d->threshold, floor);
+  run.instances = instances;
+  run.ids = ids;
+  run.capacity = capacity;
+  bool everywhere = is_everywhere(d);
+  for (int a = 0; a < 3; ++a) {
+    double h = field->cell_size;
+    run.cell_low[a] = everywhere ? (int64_t)-FAR_CELL : scree_rt_query_first_cell(d->min[a] - field->origin[a], h);
+    run.cell_high[a] = everywhere ? (int64_t)FAR_CELL : scree_rt_query_first_cell(d->max[a] - field->origin[a], h);
+  }
+  return run_prepared(&run, kernel, count);
+}
 
-  if (!find_cells(d, &run)) return SCREE_OK;
-  result = find_cubes(&run);
-  if (result != SCREE_OK) return result;
-  run.margin = rounding_margin(&run);
-  run.relevant_low = run.floor - run.margin;
-  run.relevant_high = run.offset_max + run.margin;
-  run_best(&run, kernel);
-  *count = run.count;
-  return SCREE_OK;
+scree_result scree_rt_query_cells(const cell_query* q, scree_instance* instances, scree_id* ids, uint64_t capacity,
+                                  uint64_t* count) {
+  query_run run = prepare(q->field, q->support, q->origin, q->threshold, q->depth > 0 ? -q->depth : -INFINITY);
+  run.instances = instances;
+  run.ids = ids;
+  run.capacity = capacity;
+  memcpy(run.cell_low, q->low, sizeof run.cell_low);
+  memcpy(run.cell_high, q->high, sizeof run.cell_high);
+  scree_result result = run_prepared(&run, QUERY_KERNEL_BEST, count);
+  return result == SCREE_OK && *count > capacity ? SCREE_ERROR_CAPACITY : result;
 }
 
 scree_result scree_rt_query_count(const scree_query_desc* desc, query_kernel kernel, uint64_t* count) {

@@ -31,6 +31,23 @@ scree_result scree_rt_query_count(const scree_query_desc* desc, query_kernel ker
 scree_result scree_rt_query_fill(const scree_query_desc* desc, query_kernel kernel, scree_instance* instances, scree_id* ids,
                                  uint64_t capacity, uint64_t* count);
 
+/* A query of the cells in [low, high), which may reach past the int32 cubes only where the support does not. */
+typedef struct cell_query {
+  const scree_field* field;
+  const scree_support* support;
+  double origin[3]; /* as in scree_query_desc, and so on */
+  float threshold;
+  float depth; /* rocks as deep as this or deeper do not exist; 0 = they do */
+  int64_t low[3], high[3];
+} cell_query;
+
+/* Both arrays or none, as in scree_query_fill. */
+scree_result scree_rt_query_cells(const cell_query* query, scree_instance* instances, scree_id* ids, uint64_t capacity,
+                                  uint64_t* count);
+
+/* The first cell whose centre is at or past `bound`, both relative to the centre of cell 0; at most 1e15 either way. */
+int64_t scree_rt_query_first_cell(double bound, double cell_size);
+
 void scree_rt_query_run_plain(query_run* run);
 #ifdef SCREE_WIDE_KERNELS
 void scree_rt_query_run_avx2(query_run* run);

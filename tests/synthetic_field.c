@@ -1,5 +1,6 @@
 #include "synthetic_field.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 static void* must_allocate(size_t count, size_t size) {
@@ -48,7 +49,37 @@ synthetic_source synthetic_create(uint32_t n, uint32_t seeds_min, uint32_t seeds
   return s;
 }
 
+void synthetic_add_hulls(synthetic_source* s, uint64_t seed) {
+  enum { LATTICE = 32, POINTS = 16 };
+  random_stream r = {seed};
+  uint32_t rocks = s->source.asset_count;
+  s->hull_first = must_allocate((size_t)rocks + 1, sizeof *s->hull_first);
+  s->hulls = must_allocate((size_t)rocks * POINTS, 3 * sizeof *s->hulls);
+  for (uint32_t i = 0; i < rocks; ++i) {
+    field_rock* rock = &s->rocks[i];
+    rock->burial = 1 + random_below(&r, SCREE_BURIAL_NEVER);
+    uint32_t count = 4 + random_below(&r, POINTS - 3), first = s->hull_first[i];
+    for (uint32_t k = 0; k < count; ++k) {
+      double p[3], length2 = 0;
+      for (int a = 0; a < 3; ++a) {
+        p[a] = random_in(&r, -1, 1);
+        length2 += p[a] * p[a];
+      }
+      double radius = (double)rock->outer_radius * LATTICE - 1; /* one step less, for rounding to the lattice */
+      for (int a = 0; a < 3; ++a)
+        s->hulls[3 * (first + k) + (uint32_t)a] =
+            (int16_t)floor((double)rock->centroid[a] * LATTICE + p[a] * radius / sqrt(length2 + 1e-9) + 0.5);
+    }
+    s->hull_first[i + 1] = first + count;
+  }
+  s->source.lattice_per_cell = LATTICE;
+  s->source.hull_first = s->hull_first;
+  s->source.hulls = s->hulls;
+}
+
 void synthetic_destroy(synthetic_source* s) {
+  free(s->hull_first);
+  free(s->hulls);
   free(s->tile_cells);
   free(s->cell_first);
   free(s->rocks);

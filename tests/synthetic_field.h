@@ -29,10 +29,16 @@ typedef struct synthetic_source {
   uint32_t* tile_cells;
   uint32_t* cell_first;
   field_rock* rocks;
+  uint32_t* hull_first;
+  int16_t* hulls;
 } synthetic_source;
 
 /* Tables with the zones of a real pack and seeds_min .. seeds_max rocks a cell. Aborts when memory is short. */
 synthetic_source synthetic_create(uint32_t cells_per_cube, uint32_t seeds_min, uint32_t seeds_max, uint64_t seed);
+
+/* Gives every rock a hull within its outer ball and a burial of 1..SCREE_BURIAL_NEVER. */
+void synthetic_add_hulls(synthetic_source* s, uint64_t seed);
+
 void synthetic_destroy(synthetic_source* s);
 
 #endif

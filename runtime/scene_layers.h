@@ -1,0 +1,94 @@
+/* A scene, as the files that answer questions about it see it. */
+#ifndef SCREE_SCENE_LAYERS_H
+#define SCREE_SCENE_LAYERS_H
+
+#include "edits_internal.h"
+#include "field_tables.h"
+#include "scene_internal.h"
+#include "scratch.h"
+#include "support_program.h"
+
+enum { SCENE_MAX_LAYERS = 64, SCENE_MAX_FILTERS = 16 };
+
+typedef struct scene_layer {
+  scree_layer given;  /* as it was given, but for the key, which is the one in use, and filters, which are the scene's copies */
+  double offset[3];   /* the field's origin relative to the scene's base: that of the first layer's field */
+  double reach;       /* metres: no part of a rock is farther from the centre of its home cell */
+  double rock_radius; /* metres: no outer radius is larger */
+  double density;     /* share, filters apart */
+  double level_low, level_high; /* rocks exist where the support's distance is at most something between these, metres */
+  double lipschitz;             /* of the support */
+  bool filtered;                /* density or filters leave something out */
+  size_t values;                /* copied samples of all its filters */
+  float* samples;               /* NULL when there are none */
+  scree_filter* filters;        /* given.filters, to be released; NULL when there are none */
+} scene_layer;
+
+struct scree_scene {
+  scree_allocator allocator;
+  uint32_t layer_count;
+  double base[3]; /* world: rocks of different layers are compared relative to this point, which nothing but the scene decides */
+  scene_layer* layers;
+};
+
+/* A rock's home cell, counted from the field's corner (0, 0, 0). */
+static inline void rock_cell(const scree_field* field, const scree_id* id, int64_t cell[3]) {
+  const uint8_t* place = field->cell_places[id->local / field->max_rocks_per_cell];
+  for (int a = 0; a < 3; ++a) cell[a] = (int64_t)id->cube[a] * field->cells_per_cube + place[a];
+}
+
+/* The centre of a cell relative to the scene's base. */
+static inline void cell_centre(const scene_layer* layer, const int64_t cell[3], double centre[3]) {
+  for (int a = 0; a < 3; ++a) centre[a] = layer->offset[a] + layer->given.field->cell_size * (double)cell[a];
+}
+
+/* Whether density and filters let a rock of a filtered layer exist. */
+bool scree_rt_scene_passes(const scene_layer* layer, const scree_id* id);
+
+/* Checks filters 0 .. filter_count - 1 of a layer; counts the samples to be copied. */
+scree_result scree_rt_scene_check_filters(const scree_layer* layer, uint32_t index, size_t* values, scree_error* error);
+
+/* Rocks of one layer that a question needs. */
+typedef struct layer_rocks {
+  bool needed, asked;
+  int64_t low[3], high[3];              /* cells in which it is needed */
+  int64_t asked_low[3], asked_high[3];  /* cells in which it is asked for */
+  uint64_t first, count;                /* its rocks in the arrays */
+  double tight_low[3], tight_high[3];   /* box of the balls round its rocks, relative to the scene's base */
+  double region_low[3], region_high[3]; /* union of the tight boxes of later layers that need it */
+  bool wanted;                          /* by a later layer */
+  uint32_t bucket_first, bucket_mask;   /* where later layers look it up; see scene_keep.c */
+  uint64_t kept_first;
+  uint32_t kept_count;
+  double brick;
+} layer_rocks;
+
+/* One question on its way: which rocks of which layers exist, edits apart. */
+typedef struct scene_question {
+  const scree_scene* scene;
+  scree_scratch* scratch;
+  double origin[3];
+  const scree_edits* edits; /* or NULL */
+  bool visible;             /* only what can be seen is delivered */
+  uint64_t most;            /* rocks that may be looked at; more are SCREE_ERROR_CAPACITY */
+  layer_rocks layers[SCENE_MAX_LAYERS];
+  scree_instance* instances; /* of all layers, in the scratch; rocks that are left out are moved out */
+  scree_id* ids;
+  uint64_t count;
+  uint64_t bucket_count, kept_count;
+} scene_question;
+
+/* Whether a layer can have rocks in a range of cells; true when in doubt. */
+bool scree_rt_scene_cells_may_hold(const scene_layer* layer, const int64_t low[3], const int64_t high[3]);
+
+/* Asks for a range of cells of a layer; call before scree_rt_scene_gather. */
+void scree_rt_scene_ask(scene_question* q, uint32_t layer, const int64_t low[3], const int64_t high[3]);
+
+/* Finds the rocks of all layers that are asked for, and those of earlier layers that they may meet: supports, shells and filters
+ * only. */
+scree_result scree_rt_scene_gather(scene_question* q);
+
+/* Drops those that meet a kept rock of an earlier layer. */
+scree_result scree_rt_scene_keep(scene_question* q);
+
+#endif

@@ -1,0 +1,382 @@
+/* The rocks of a scene: which layers a question needs and where, what their supports, shells and filters leave, and what is
+ * delivered.
+ *
+ *   asked for: layer 2 in a box            needed of layer 1: where its rocks could meet candidates of layer 2
+ *                                          needed of layer 0: the same for layers 1 and 2
+ *   from the last layer to the first:      find the candidates; the box that holds them, grown by how far rocks reach, is where
+ *                                          earlier layers are needed
+ *   from the first layer to the last:      drop what meets a kept rock of an earlier layer (scene_keep.c)
+ *
+ * Whether a rock is kept depends on its neighbours of earlier layers alone, all of which lie in those boxes; so the answer about
+ * a rock is the same in every question. */
+#include <math.h>
+#include <string.h>
+
+#include "query_kernel.h"
+#include "scene_layers.h"
+
+/* Cuts a range of cells to those whose cubes an int32 can name. */
+static void clamp_cells(const scree_field* field, int64_t low[3], int64_t high[3]) {
+  int64_t n = field->cells_per_cube, first = INT32_MIN * n, end = INT32_MAX * n;
+  for (int a = 0; a < 3; ++a) {
+    if (low[a] < first) low[a] = first;
+    if (high[a] > end) high[a] = end;
+    if (high[a] < low[a]) high[a] = low[a];
+  }
+}
+
+static int64_t floor_divide(int64_t a, int64_t b) {
+  int64_t q = a / b;
+  return q - (a % b < 0);
+}
+
+static void unite(bool* some, int64_t low[3], int64_t high[3], const int64_t add_low[3], const int64_t add_high[3]) {
+  for (int a = 0; a < 3; ++a) {
+    if (!*some || add_low[a] < low[a]) low[a] = add_low[a];
+    if (!*some || add_high[a] > high[a]) high[a] = add_high[a];
+  }
+  *some = true;
+}
+
+bool scree_rt_scene_cells_may_hold(const scene_layer* layer, const int64_t low[3], const int64_t high[3]) {
+  const scree_field* field = layer->given.field;
+  const scree_support* support = layer->given.support;
+  double h = field->cell_size, bound_low[3], bound_high[3], half2 = 0, largest = support->magnitude;
+  float middle[3], distance;
+  if (!scree_rt_support_level_bounds(support, layer->level_high > 0 ? layer->level_high : 0, bound_low, bound_high)) return false;
+  for (int a = 0; a < 3; ++a) {
+    if (low[a] >= high[a]) return false;
+    /* The box of the centroids, support's space, and what of it lies where the support can be. */
+    double base = field->origin[a] - support->origin[a];
+    double from = base + h * (double)low[a] + (double)field->centroid_min[a];
+    double to = base + h * (double)(high[a] - 1) + (double)field->centroid_max[a];
+    double slack = (fabs(from) + fabs(to) + largest) * 1e-6;
+    if (bound_low[a] > to + slack || bound_high[a] < from - slack) return false;
+    if (bound_low[a] > from) from = bound_low[a];
+    if (bound_high[a] < to) to = bound_high[a];
+    middle[a] = (float)((from + to) * 0.5);
+    half2 += (to - from) * (to - from) * 0.25;
+    if (fabs(from) > largest) largest = fabs(from);
+    if (fabs(to) > largest) largest = fabs(to);
+  }
+  scree_support_distance(support, &middle[0], &middle[1], &middle[2], &distance, 1);
+  return !((double)distance > layer->level_high + layer->lipschitz * sqrt(half2) * 1.00001 + largest * 8e-6);
+}
+
+bool scree_rt_scene_may_hold(const scree_scene* scene, uint32_t layer, const double min[3], const double max[3]) {
+  const scree_field* field = scene->layers[layer].given.field;
+  int64_t low[3], high[3];
+  for (int a = 0; a < 3; ++a) {
+    low[a] = scree_rt_query_first_cell(min[a] - field->origin[a], field->cell_size);
+    high[a] = scree_rt_query_first_cell(max[a] - field->origin[a], field->cell_size);
+  }
+  clamp_cells(field, low, high);
+  return scree_rt_scene_cells_may_hold(&scene->layers[layer], low, high);
+}
+
+void scree_rt_scene_ask(scene_question* q, uint32_t layer, const int64_t low[3], const int64_t high[3]) {
+  layer_rocks* rocks = &q->layers[layer];
+  rocks->asked = true;
+  memcpy(rocks->asked_low, low, sizeof rocks->asked_low);
+  memcpy(rocks->asked_high, high, sizeof rocks->asked_high);
+  unite(&rocks->needed, rocks->low, rocks->high, low, high);
+}
+
+/* Finds the rocks of one layer in the cells where it is needed, behind those that are there already. */
+static scree_result find_rocks(scene_question* q, uint32_t index) {
+  const scene_layer* layer = &q->scene->layers[index];
+  layer_rocks* rocks = &q->layers[index];
+  cell_query query = {.field = layer->given.field,
+                      .support = layer->given.support,
+                      .threshold = layer->given.threshold,
+                      .depth = layer->given.shell_depth};
+  memcpy(query.origin, q->origin, sizeof query.origin);
+  memcpy(query.low, rocks->low, sizeof query.low);
+  memcpy(query.high, rocks->high, sizeof query.high);
+  rocks->first = q->count;
+  for (;;) {
+    size_t room = scratch_room(q->scratch, SCRATCH_INSTANCES, sizeof *q->instances);
+    size_t id_room = scratch_room(q->scratch, SCRATCH_IDS, sizeof *q->ids);
+    if (id_room < room) room = id_room;
+    bool some = room > q->count; /* else only count */
+    q->instances = q->scratch->buffers[SCRATCH_INSTANCES].memory;
+    q->ids = q->scratch->buffers[SCRATCH_IDS].memory;
+    scree_result result = scree_rt_query_cells(&query, some ? q->instances + q->count : NULL, some ? q->ids + q->count : NULL,
+                                               some ? room - q->count : 0, &rocks->count);
+    if (result != SCREE_OK && result != SCREE_ERROR_CAPACITY) return result;
+    if (rocks->count > q->most || q->count + rocks->count > q->most) return SCREE_ERROR_CAPACITY;
+    if (result == SCREE_OK) break;
+    size_t wanted = (size_t)(q->count + rocks->count) + FIELD_OCTET;
+    if (scree_rt_scratch_extend(q->scratch, SCRATCH_INSTANCES, q->count, wanted, sizeof *q->instances) == NULL ||
+        scree_rt_scratch_extend(q->scratch, SCRATCH_IDS, q->count, wanted, sizeof *q->ids) == NULL)
+      return SCREE_ERROR_OUT_OF_MEMORY;
+  }
+  if (layer->filtered) {
+    uint64_t kept = rocks->first, end = rocks->first + rocks->count;
+    for (uint64_t i = rocks->first; i < end; ++i) {
+      if (!scree_rt_scene_passes(layer, &q->ids[i])) continue;
+      q->ids[kept] = q->ids[i];
+      q->instances[kept++] = q->instances[i];
+    }
+    rocks->count = kept - rocks->first;
+  }
+  q->count += rocks->count;
+  return SCREE_OK;
+}
+
+/* The box of the balls round the rocks of a layer, or a little more. */
+static void find_tight_box(scene_question* q, uint32_t index) {
+  const scene_layer* layer = &q->scene->layers[index];
+  layer_rocks* rocks = &q->layers[index];
+  int64_t low[3] = {INT64_MAX, INT64_MAX, INT64_MAX}, high[3] = {INT64_MIN, INT64_MIN, INT64_MIN}, cell[3];
+  for (uint64_t i = rocks->first; i < rocks->first + rocks->count; ++i) {
+    rock_cell(layer->given.field, &q->ids[i], cell);
+    for (int a = 0; a < 3; ++a) {
+      if (cell[a] < low[a]) low[a] = cell[a];
+      if (cell[a] > high[a]) high[a] = cell[a];
+    }
+  }
+  cell_centre(layer, low, rocks->tight_low);
+  cell_centre(layer, high, rocks->tight_high);
+  for (int a = 0; a < 3; ++a) {
+    rocks->tight_low[a] -= layer->reach;
+    rocks->tight_high[a] += layer->reach;
+  }
+}
+
+/* The cells of a layer where a rock could stand that reaches into a box relative to the scene's base. */
+static void cells_round(const scene_layer* layer, const double low[3], const double high[3], int64_t cell_low[3],
+                        int64_t cell_high[3]) {
+  double h = layer->given.field->cell_size;
+  for (int a = 0; a < 3; ++a) { /* one cell more on either side, for rounding */
+    cell_low[a] = scree_rt_query_first_cell(low[a] - layer->reach - layer->offset[a], h) - 1;
+    cell_high[a] = scree_rt_query_first_cell(high[a] + layer->reach - layer->offset[a], h) + 1;
+  }
+  clamp_cells(layer->given.field, cell_low, cell_high);
+}
+
+scree_result scree_rt_scene_gather(scene_question* q) {
+  q->count = 0;
+  for (uint32_t k = q->scene->layer_count; k-- > 0;) {
+    layer_rocks* rocks = &q->layers[k];
+    if (!rocks->needed) continue;
+    scree_result result = find_rocks(q, k);
+    if (result != SCREE_OK) return result;
+    if (rocks->count == 0) continue;
+    if (k > 0 || rocks->wanted) find_tight_box(q, k);
+    for (uint32_t j = 0; j < k; ++j) {
+      layer_rocks* earlier = &q->layers[j];
+      int64_t low[3], high[3];
+      cells_round(&q->scene->layers[j], rocks->tight_low, rocks->tight_high, low, high);
+      if (!scree_rt_scene_cells_may_hold(&q->scene->layers[j], low, high)) continue;
+      unite(&earlier->needed, earlier->low, earlier->high, low, high);
+      for (int a = 0; a < 3; ++a) {
+        if (!earlier->wanted || rocks->tight_low[a] < earlier->region_low[a]) earlier->region_low[a] = rocks->tight_low[a];
+        if (!earlier->wanted || rocks->tight_high[a] > earlier->region_high[a]) earlier->region_high[a] = rocks->tight_high[a];
+      }
+      earlier->wanted = true;
+    }
+  }
+  return SCREE_OK;
+}
+
+/* --- delivery -------------------------------------------------------------------------------------------------------------- */
+
+/* Where rocks go to. */
+typedef struct rock_sink {
+  scree_rock* rocks;
+  uint64_t capacity, count;
+} rock_sink;
+
+static bool is_in(const int64_t cell[3], const int64_t low[3], const int64_t high[3]) {
+  for (int a = 0; a < 3; ++a)
+    if (cell[a] < low[a] || cell[a] >= high[a]) return false;
+  return true;
+}
+
+/* Whether a layer has edits in a range of cells. */
+static bool has_edits(const scene_question* q, uint32_t index, const int64_t low[3], const int64_t high[3]) {
+  const scree_layer* layer = &q->scene->layers[index].given;
+  int64_t n = layer->field->cells_per_cube;
+  int32_t cube_low[3], cube_high[3];
+  for (int a = 0; a < 3; ++a) {
+    cube_low[a] = (int32_t)floor_divide(low[a], n);
+    cube_high[a] = (int32_t)(floor_divide(high[a] - 1, n) + 1);
+  }
+  return scree_rt_edits_any(q->edits, layer->key, cube_low, cube_high);
+}
+
+static void deliver(const scene_question* q, uint32_t index, rock_sink* sink) {
+  const scene_layer* layer = &q->scene->layers[index];
+  const layer_rocks* rocks = &q->layers[index];
+  bool all = memcmp(rocks->low, rocks->asked_low, sizeof rocks->low) == 0 &&
+             memcmp(rocks->high, rocks->asked_high, sizeof rocks->high) == 0;
+  bool edited = has_edits(q, index, rocks->asked_low, rocks->asked_high);
+  for (uint64_t i = rocks->first; i < rocks->first + rocks->count; ++i) {
+    scree_id id = q->ids[i];
+    id.layer = layer->given.key;
+    if (!all) {
+      int64_t cell[3];
+      rock_cell(layer->given.field, &id, cell);
+      if (!is_in(cell, rocks->asked_low, rocks->asked_high)) continue;
+    }
+    if (edited) {
+      scree_edit edit = scree_edits_get(q->edits, &id);
+      if (edit == SCREE_EDIT_REMOVE || (edit == SCREE_EDIT_HIDE && q->visible)) continue;
+    }
+    if (sink->count < sink->capacity) {
+      scree_rock* rock = &sink->rocks[sink->count];
+      memcpy(rock->position, q->instances[i].position, sizeof rock->position);
+      rock->asset = q->instances[i].asset;
+      rock->id = id;
+    }
+    ++sink->count;
+  }
+}
+
+/* --- questions ------------------------------------------------------------------------------------------------------------- */
+
+static scree_result answer(scene_question* q) {
+  scree_result result = scree_rt_scene_gather(q);
+  return result == SCREE_OK ? scree_rt_scene_keep(q) : result;
+}
+
+static void begin(scene_question* q, const scree_scene* scene, const scree_edits* edits, const double origin[3], bool visible,
+                  scree_scratch* scratch) {
+  q->scene = scene;
+  q->edits = edits;
+  q->visible = visible;
+  q->scratch = scratch;
+  memcpy(q->origin, origin, sizeof q->origin);
+  q->most = UINT64_MAX;
+  memset(q->layers, 0, scene->layer_count * sizeof *q->layers);
+}
+
+static scree_result check(const scree_scene_query_desc* d, const scree_scratch* scratch) {
+  if (d == NULL || d->scene == NULL || scratch == NULL) return SCREE_ERROR_INVALID_ARGUMENT;
+  if ((d->flags & ~(uint32_t)SCREE_SCENE_VISIBLE) != 0) return SCREE_ERROR_INVALID_ARGUMENT;
+  if (d->scene->layer_count < 64 && d->layers >> d->scene->layer_count != 0) return SCREE_ERROR_INVALID_ARGUMENT;
+  for (int a = 0; a < 3; ++a)
+    if (!isfinite(d->origin[a]) || !(d->min[a] <= d->max[a])) return SCREE_ERROR_INVALID_ARGUMENT;
+  return SCREE_OK;
+}
+
+/* The cells of a layer that a box asks for. Returns false where there are none, RANGE where they have no names. */
+static scree_result find_range(const scree_scene_query_desc* d, const scene_layer* layer, int64_t low[3], int64_t high[3],
+                               bool* some) {
+  const scree_field* field = layer->given.field;
+  const scree_support* support = layer->given.support;
+  double h = field->cell_size, bound_low[3], bound_high[3];
+  bool everywhere = true;
+  for (int a = 0; a < 3; ++a) everywhere = everywhere && d->min[a] == 0 && d->max[a] == 0;
+  *some = scree_rt_support_level_bounds(support, layer->level_high > 0 ? layer->level_high : 0, bound_low, bound_high);
+  for (int a = 0; a < 3 && *some; ++a) {
+    double base = field->origin[a] - support->origin[a];
+    low[a] = scree_rt_query_first_cell(bound_low[a] - base - (double)field->centroid_max[a], h) - 1;
+    high[a] = scree_rt_query_first_cell(bound_high[a] - base - (double)field->centroid_min[a], h) + 2;
+    if (!everywhere) {
+      int64_t first = scree_rt_query_first_cell(d->min[a] - field->origin[a], h);
+      int64_t end = scree_rt_query_first_cell(d->max[a] - field->origin[a], h);
+      if (first > low[a]) low[a] = first;
+      if (end < high[a]) high[a] = end;
+    }
+    *some = low[a] < high[a];
+  }
+  if (!*some) return SCREE_OK;
+  int64_t kept_low[3], kept_high[3];
+  memcpy(kept_low, low, sizeof kept_low);
+  memcpy(kept_high, high, sizeof kept_high);
+  clamp_cells(field, kept_low, kept_high);
+  for (int a = 0; a < 3; ++a)
+    if (kept_low[a] != low[a] || kept_high[a] != high[a]) return SCREE_ERROR_RANGE;
+  return SCREE_OK;
+}
+
+static scree_result find_all(const scree_scene_query_desc* d, scree_scratch* scratch, rock_sink* sink) {
+  const scree_scene* scene = d->scene;
+  scene_question q;
+  begin(&q, scene, d->edits, d->origin, (d->flags & SCREE_SCENE_VISIBLE) != 0, scratch);
+  for (uint32_t k = 0; k < scene->layer_count; ++k) {
+    if (d->layers != 0 && (d->layers >> k & 1) == 0) continue;
+    int64_t low[3], high[3];
+    bool some;
+    scree_result result = find_range(d, &scene->layers[k], low, high, &some);
+    if (result != SCREE_OK) return result;
+    if (some) scree_rt_scene_ask(&q, k, low, high);
+  }
+  scree_result result = answer(&q);
+  if (result != SCREE_OK) return result;
+  for (uint32_t k = 0; k < scene->layer_count; ++k)
+    if (q.layers[k].asked) deliver(&q, k, sink);
+  return SCREE_OK;
+}
+
+scree_result scree_scene_count(const scree_scene_query_desc* desc, scree_scratch* scratch, uint64_t* count) {
+  if (count == NULL) return SCREE_ERROR_INVALID_ARGUMENT;
+  *count = 0;
+  scree_result result = check(desc, scratch);
+  if (result != SCREE_OK) return result;
+  rock_sink sink = {NULL, 0, 0};
+  result = find_all(desc, scratch, &sink);
+  if (result == SCREE_OK) *count = sink.count;
+  return result;
+}
+
+scree_result scree_scene_fill(const scree_scene_query_desc* desc, scree_scratch* scratch, scree_rock* rocks, uint64_t capacity,
+                              uint64_t* count) {
+  if (count == NULL) return SCREE_ERROR_INVALID_ARGUMENT;
+  *count = 0;
+  if (rocks == NULL && capacity > 0) return SCREE_ERROR_INVALID_ARGUMENT;
+  scree_result result = check(desc, scratch);
+  if (result != SCREE_OK) return result;
+  rock_sink sink = {rocks, capacity, 0};
+  result = find_all(desc, scratch, &sink);
+  if (result != SCREE_OK) return result;
+  *count = sink.count;
+  return sink.count > capacity ? SCREE_ERROR_CAPACITY : SCREE_OK;
+}
+
+scree_result scree_rt_scene_block(const scree_scene* scene, const scree_edits* edits, uint32_t layer, const int32_t cube_low[3],
+                                  const int32_t cube_high[3], const double origin[3], bool visible, scree_scratch* scratch,
+                                  const scree_rock** rocks, uint64_t* count) {
+  const scree_field* field = scene->layers[layer].given.field;
+  scene_question q;
+  begin(&q, scene, edits, origin, visible, scratch);
+  int64_t low[3], high[3];
+  for (int a = 0; a < 3; ++a) {
+    low[a] = (int64_t)cube_low[a] * field->cells_per_cube;
+    high[a] = (int64_t)cube_high[a] * field->cells_per_cube;
+  }
+  *rocks = NULL;
+  *count = 0;
+  scree_rt_scene_ask(&q, layer, low, high);
+  scree_result result = answer(&q);
+  if (result != SCREE_OK) return result;
+  rock_sink sink = {scree_rt_scratch_reserve(scratch, SCRATCH_ROCKS, q.layers[layer].count + 1, sizeof(scree_rock)),
+                    q.layers[layer].count, 0};
+  if (sink.rocks == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
+  deliver(&q, layer, &sink);
+  *rocks = sink.rocks;
+  *count = sink.count;
+  return SCREE_OK;
+}
+
+void scree_rt_scene_cubes_box(const scree_scene* scene, uint32_t layer, uint32_t far_level, const int32_t cube_low[3],
+                              const int32_t cube_high[3], double min[3], double max[3]) {
+  const scree_field* field = scene->layers[layer].given.field;
+  double size = field->cell_size * field->cells_per_cube;
+  for (uint32_t i = 0; i < far_level; ++i) size *= 2;
+  for (int a = 0; a < 3; ++a) { /* cells are centred on the corners */
+    min[a] = field->origin[a] - field->cell_size * 0.5 + size * (double)cube_low[a];
+    max[a] = field->origin[a] - field->cell_size * 0.5 + size * (double)cube_high[a];
+  }
+}
+
+double scree_rt_scene_reach(const scree_scene* scene, uint32_t layer) {
+  const scene_layer* own = &scene->layers[layer];
+  double reach = own->reach;
+  for (uint32_t k = 0; k < scene->layer_count; ++k)
+    if (scene->layers[k].reach > reach) reach = scene->layers[k].reach;
+  /* Burial looks at cells whose rocks may be dropped by others that change. */
+  return 2 * reach * (double)(layer + 1) + ((double)own->given.field->deepest_burial + 1) * own->given.field->cell_size * 1.7320508;
+}

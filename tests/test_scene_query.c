@@ -1,0 +1,193 @@
+/* Scenes against their plain twin (scene_twin.h), and what every question about a scene promises. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "random_support.h"
+#include "scene_twin.h"
+
+enum { MAX_LAYERS = 4, IMAGE = 12, MAX_EDITS = 400 };
+
+static const double REACH = 20; /* of everything, metres from the middle */
+
+/* A random scene and everything it points at. */
+typedef struct world {
+  uint32_t count;
+  synthetic_source sources[MAX_LAYERS];
+  const field_source* source_of[MAX_LAYERS];
+  scree_field* fields[MAX_LAYERS];
+  random_support* shapes[MAX_LAYERS];
+  scree_support* supports[MAX_LAYERS];
+  scree_filter filters[MAX_LAYERS][3];
+  float images[MAX_LAYERS][2][IMAGE * IMAGE];
+  scree_layer layers[MAX_LAYERS];
+  scree_scene_desc desc;
+  scree_scene* scene;
+  scree_edits* edits;
+  twin_edit edit_list[MAX_EDITS];
+  uint32_t edit_count;
+  double middle[3];
+} world;
+
+static scree_scratch* make_scratch(void) {
+  scree_scratch* scratch;
+  assert_int_equal(scree_scratch_create(NULL, &scratch), SCREE_OK);
+  return scratch;
+}
+
+static void make_filters(world* w, random_stream* r, uint32_t k) {
+  w->layers[k].filter_count = random_below(r, 4);
+  w->layers[k].filters = w->filters[k];
+  uint32_t images = 0;
+  for (uint32_t i = 0; i < w->layers[k].filter_count; ++i) {
+    scree_filter* f = &w->filters[k][i];
+    *f = (scree_filter){.kind = (scree_filter_kind)random_below(r, 3), .inverted = random_below(r, 2)};
+    if (images == 2) f->kind = SCREE_FILTER_ALTITUDE;
+    double from = f->kind == SCREE_FILTER_SLOPE ? 0 : w->middle[1] - 10, to = f->kind == SCREE_FILTER_SLOPE ? 80 : from + 20;
+    f->from = (float)random_in(r, from, to);
+    f->to = f->from + (float)random_in(r, 0, (to - from) * 0.5);
+    if (random_below(r, 2)) f->fade = (float)random_in(r, 0, (to - from) * 0.3);
+    if (f->kind == SCREE_FILTER_ALTITUDE) continue;
+    float* image = w->images[k][images++];
+    for (int p = 0; p < IMAGE * IMAGE; ++p)
+      image[p] = (float)(f->kind == SCREE_FILTER_MASK ? fmin(fmax(random_in(r, -0.5, 1.5), 0), 1) : random_in(r, -3, 3));
+    f->values = image;
+    f->width = 2 + random_below(r, IMAGE - 1);
+    f->depth = 2 + random_below(r, IMAGE - 1);
+    f->spacing = (float)random_in(r, 0.5, 4);
+    for (int a = 0; a < 3; ++a) f->centre[a] = w->middle[a] + random_in(r, -5, 5);
+  }
+}
+
+/* layers: how many; filters, thresholds and shells where `rules`. */
+static void make_world(world* w, random_stream* r, uint32_t layers, bool rules, double size) {
+  memset(w, 0, sizeof *w);
+  w->count = layers;
+  for (int a = 0; a < 3; ++a) w->middle[a] = random_in(r, -40, 40);
+  for (uint32_t k = 0; k < layers; ++k) {
+    uint32_t most = random_below(r, 3) ? 1 : 3;
+    w->sources[k] = synthetic_create(3 + random_below(r, 4), random_below(r, 3) > 0, most, random_bits(r));
+    synthetic_add_hulls(&w->sources[k], random_bits(r));
+    w->source_of[k] = &w->sources[k].source;
+    scree_field_desc field = {.seed = random_bits(r), .cell_size = random_in(r, 0.6, 1.6)};
+    for (int a = 0; a < 3; ++a) field.origin[a] = w->middle[a] + random_in(r, -50, 50);
+    assert_int_equal(scree_rt_field_create_from_source(&field, w->source_of[k], NULL, &w->fields[k]), SCREE_OK);
+    w->shapes[k] = malloc(sizeof *w->shapes[k]);
+    assert_non_null(w->shapes[k]);
+    random_tree(w->shapes[k], r, 1 + random_below(r, 5), size);
+    for (int a = 0; a < 3; ++a) w->shapes[k]->desc.origin[a] = w->middle[a] + random_in(r, -2, 2);
+    scree_error error;
+    if (scree_support_create(&w->shapes[k]->desc, NULL, &w->supports[k], &error) != SCREE_OK) fail_msg("%s", error.message);
+    w->layers[k] = (scree_layer){.field = w->fields[k], .support = w->supports[k]};
+    if (!rules) continue;
+    if (random_below(r, 3) == 0) w->layers[k].threshold = (float)random_in(r, 0.1, 0.9);
+    if (random_below(r, 3) == 0) w->layers[k].shell_depth = (float)random_in(r, 0.5, 3);
+    if (random_below(r, 4) == 0) w->layers[k].density = (float)random_in(r, 0.1, 1);
+    if (random_below(r, 3) == 0) make_filters(w, r, k);
+  }
+  if (random_below(r, 2))
+    for (uint32_t k = 0; k < layers; ++k) w->layers[k].key = (uint16_t)(100 - 7 * k);
+  w->desc = (scree_scene_desc){w->layers, layers};
+  scree_error error;
+  if (scree_scene_create(&w->desc, NULL, &w->scene, &error) != SCREE_OK) fail_msg("%s", error.message);
+  assert_int_equal(scree_edits_create(NULL, &w->edits), SCREE_OK);
+}
+
+static void destroy_world(world* w) {
+  scree_scene_destroy(w->scene);
+  scree_edits_destroy(w->edits);
+  for (uint32_t k = 0; k < w->count; ++k) {
+    scree_field_destroy(w->fields[k]);
+    scree_support_destroy(w->supports[k]);
+    synthetic_destroy(&w->sources[k]);
+    free(w->shapes[k]);
+  }
+}
+
+static void add_edit(world* w, const scree_id* id, scree_edit edit) {
+  if (w->edit_count == MAX_EDITS || scree_edits_get(w->edits, id) != SCREE_EDIT_NONE) return;
+  w->edit_list[w->edit_count++] = (twin_edit){*id, edit};
+  assert_int_equal(scree_edits_set(w->edits, id, edit), SCREE_OK);
+}
+
+/* Removes and hides some rocks, alone and in bunches. */
+static void make_edits(world* w, random_stream* r, const scene_rocks* rocks) {
+  for (int i = 0; i < 30 && rocks->count > 0; ++i) {
+    uint64_t at = random_bits(r) % rocks->count;
+    uint32_t bunch = random_below(r, 3) ? 1 : 1 + random_below(r, 10);
+    for (uint32_t k = 0; k < bunch && at + k < rocks->count; ++k)
+      add_edit(w, &rocks->rocks[at + k].id, random_below(r, 2) ? SCREE_EDIT_REMOVE : SCREE_EDIT_HIDE);
+  }
+}
+
+static scree_scene_query_desc random_question(const world* w, random_stream* r) {
+  scree_scene_query_desc d = {.scene = w->scene};
+  for (int a = 0; a < 3; ++a) {
+    d.origin[a] = w->middle[a] + random_in(r, -30, 30);
+    double p = w->middle[a] + random_in(r, -8, 8), q = w->middle[a] + random_in(r, -8, 8);
+    d.min[a] = p < q ? p : q;
+    d.max[a] = p < q ? q : p;
+  }
+  if (random_below(r, 2)) d.layers = 1 + random_below(r, (1u << w->count) - 1);
+  if (random_below(r, 3) == 0) memset(d.min, 0, sizeof d.min), memset(d.max, 0, sizeof d.max);
+  return d;
+}
+
+static void check_answer(world* w, scree_scene_query_desc* d, scree_scratch* scratch) {
+  d->edits = w->edit_count > 0 ? w->edits : NULL;
+  scene_twin twin = twin_scene(&w->desc, w->source_of, w->edit_list, w->edit_count, w->middle, REACH, d->origin);
+  scene_rocks expected = twin_answer(&twin, d), found = ask_scene(d, scratch);
+  assert_scene_rocks_equal(&expected, &found);
+  scene_rocks_free(&expected);
+  scene_rocks_free(&found);
+  twin_scene_free(&twin);
+}
+
+static void query_equals_its_plain_twin(uint64_t seed, uint32_t layers, uint32_t rounds, uint32_t flags, bool edits) {
+  random_stream r = {seed};
+  scree_scratch* scratch = make_scratch();
+  for (uint32_t round = 0; round < rounds; ++round) {
+    world w;
+    make_world(&w, &r, layers, true, 7);
+    if (edits) {
+      scree_scene_query_desc all = {.scene = w.scene};
+      scene_rocks rocks = ask_scene(&all, scratch);
+      make_edits(&w, &r, &rocks);
+      scene_rocks_free(&rocks);
+    }
+    for (int k = 0; k < 2; ++k) {
+      scree_scene_query_desc d = random_question(&w, &r);
+      d.flags = flags;
+      check_answer(&w, &d, scratch);
+    }
+    destroy_world(&w);
+  }
+  scree_scratch_destroy(scratch);
+}
+
+static void one_layer_equals_its_plain_twin(void** state) {
+  (void)state;
+  query_equals_its_plain_twin(1, 1, 30, 0, false);
+}
+
+static void overlapping_layers_equal_their_plain_twin(void** state) {
+  (void)state;
+  query_equals_its_plain_twin(2, 2, 15, 0, false);
+  query_equals_its_plain_twin(3, 3, 10, 0, true);
+  query_equals_its_plain_twin(4, 4, 10, 0, true);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(one_layer_equals_its_plain_twin),
+      cmocka_unit_test(overlapping_layers_equal_their_plain_twin),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
