@@ -268,9 +268,10 @@ bool edit_add(editor* e, scree_shape_kind kind, const double place[3], double si
       node->torus.radius = size;
       node->torus.tube_radius = 0.3 * size;
       break;
-    case SCREE_SHAPE_EXTRUSION: node->extrusion.high = size; /* fallthrough */
+    case SCREE_SHAPE_EXTRUSION:
     case SCREE_SHAPE_TUBE:
     case SCREE_SHAPE_BLOBS:
+      if (kind == SCREE_SHAPE_EXTRUSION) node->extrusion.high = size;
       for (uint32_t i = 0; i < node->point_count; ++i) {
         for (int a = 0; a < 3; ++a) node->points[i].place[a] *= size;
         node->points[i].radius *= kind == SCREE_SHAPE_BLOBS ? 2 * size : size;
@@ -287,7 +288,7 @@ bool edit_add(editor* e, scree_shape_kind kind, const double place[3], double si
   if (node != e->scene->fields[e->field].support) node->scale = 1 / parent.scale;
   to_local(&parent, place, node->position);
   e->node = node;
-  edit_touch(e, STAGE_SUPPORT);
+  edit_touch(e, SCENE_CHANGED_SUPPORT);
   return true;
 }
 
@@ -316,7 +317,7 @@ bool edit_wrap(editor* e, scree_shape_kind kind) {
   memset(e->node->position, 0, sizeof e->node->position);
   *(parent != NULL ? &parent->children[index] : root) = wrapper;
   e->node = cut != NULL ? cut : wrapper;
-  edit_touch(e, STAGE_SUPPORT);
+  edit_touch(e, SCENE_CHANGED_SUPPORT);
   return true;
 }
 
@@ -329,7 +330,7 @@ bool edit_delete(editor* e) {
   if (parent == NULL || parent->child_count == 1) return false;
   scene_node_destroy(scene_node_detach(parent, index));
   e->node = NULL;
-  edit_touch(e, STAGE_SUPPORT);
+  edit_touch(e, SCENE_CHANGED_SUPPORT);
   return true;
 }
 
@@ -352,7 +353,7 @@ bool edit_duplicate(editor* e) {
   if (edit_leaf_box(copy, min, max)) step = 0.6 * (max[0] - min[0]) * copy->scale;
   copy->position[0] += step;
   e->node = copy;
-  edit_touch(e, STAGE_SUPPORT);
+  edit_touch(e, SCENE_CHANGED_SUPPORT);
   return true;
 }
 
@@ -427,7 +428,7 @@ bool edit_drag_to(editor* e, const double eye[3], const double direction[3], dou
     for (int a = 0; a < 3; ++a) e->node->position[a] = e->drag_position[a] + local[a];
   }
   if (memcmp(before.position, e->node->position, sizeof before.position) == 0 && before.scale == e->node->scale) return false;
-  edit_touch(e, STAGE_SUPPORT);
+  edit_touch(e, SCENE_CHANGED_SUPPORT);
   return true;
 }
 

@@ -233,6 +233,41 @@ void pack_widgets(panel* p, const panel_view* v, scene_field* field, bool* chang
   }
 }
 
+// Filters: those from files can be changed and taken away; one by altitude can be added.
+bool filter_widgets(scene_field* field) {
+  bool changed = false;
+  if (!ImGui::TreeNode("filters")) return false;
+  for (uint32_t i = 0; i < field->filter_count; ++i) {
+    scene_filter* filter = &field->filters[i];
+    ImGui::PushID(static_cast<int>(i));
+    ImGui::Text("%s %s", scene_filter_name(filter->kind), filter->map.file);
+    if (filter->kind != SCREE_FILTER_MASK) {
+      const bool slope = filter->kind == SCREE_FILTER_SLOPE;
+      const double low = slope ? 0 : -kFar, high = slope ? 90 : kFar, speed = slope ? 0.2 : 0.02;
+      changed |= drag("from", &filter->from, speed, low, filter->to, "%.2f");
+      changed |= drag("to", &filter->to, speed, filter->from, high, "%.2f");
+      changed |= drag("fade", &filter->fade, speed, 0, kNear, "%.2f");
+    }
+    if (filter->kind != SCREE_FILTER_ALTITUDE) changed |= drag3("centre", filter->position, 0.05, kFar);
+    changed |= ImGui::Checkbox("inverted", &filter->inverted);
+    ImGui::SameLine();
+    const bool gone = ImGui::SmallButton("remove");
+    ImGui::PopID();
+    if (gone) {
+      scene_remove_filter(field, i);
+      changed = true;
+      break;
+    }
+  }
+  if (ImGui::SmallButton("by altitude")) {
+    scene_filter* filter = scene_add_filter(field, SCREE_FILTER_ALTITUDE);
+    if (filter != nullptr) filter->to = 100;
+    changed |= filter != nullptr;
+  }
+  ImGui::TreePop();
+  return changed;
+}
+
 void field_widgets(panel* p, panel_view* v) {
   editor* e = v->edit;
   scene_model* scene = e->scene;
@@ -257,13 +292,15 @@ void field_widgets(panel* p, panel_view* v) {
   }
   changed |= drag("cell size", &field->cell_size, 0.002, 0.01, 1000, "%.3f m");
   if (changed) {
-    edit_touch(e, STAGE_PACK);
+    edit_touch(e, SCENE_CHANGED_PACK);
     p->edited = true;
   }
   bool shape = drag("threshold", &field->threshold, 0.002, 0.01, 0.99);
   shape |= ImGui::Checkbox("leave out what nobody sees", &field->shell);
+  shape |= drag("density", &field->density, 0.002, 0.001, 1);
+  shape |= filter_widgets(field);
   if (shape) {
-    edit_touch(e, STAGE_SUPPORT);
+    edit_touch(e, SCENE_CHANGED_RULES);
     p->edited = true;
   }
   if (!ImGui::TreeNode("colours")) return;
@@ -285,7 +322,7 @@ void field_widgets(panel* p, panel_view* v) {
   }
   painted |= drag("variation", &field->palette.variation, 0.005, 0, 1);
   if (painted) {
-    edit_touch(e, STAGE_PALETTE);
+    edit_touch(e, SCENE_CHANGED_PALETTE);
     p->edited = true;
   }
   ImGui::TreePop();
@@ -339,7 +376,7 @@ void support_widgets(panel* p, panel_view* v) {
   changed |= drag("scale", &node->scale, 0.005, kSmall, 1000);
   changed |= shape_widgets(node);
   if (changed) {
-    edit_touch(e, STAGE_SUPPORT);
+    edit_touch(e, SCENE_CHANGED_SUPPORT);
     p->edited = true;
   }
 }
@@ -497,9 +534,6 @@ bool panel_wants_pointer(const panel*) {
 }
 bool panel_wants_keys(const panel*) {
   return ImGui::GetIO().WantTextInput;
-}
-bool panel_is_busy(const panel*) {
-  return ImGui::IsAnyItemActive();
 }
 
 void panel_draw(panel* p, panel_view* view, panel_wishes* wishes) {

@@ -39,8 +39,6 @@ void panel_destroy(panel* p);
 /* Does the pointer or the keyboard belong to the panel just now? */
 bool panel_wants_pointer(const panel* p);
 bool panel_wants_keys(const panel* p);
-/* Is one of its fields being dragged or typed into? */
-bool panel_is_busy(const panel* p);
 
 /* Lays out and draws into the bound framebuffer. */
 void panel_draw(panel* p, panel_view* view, panel_wishes* wishes);

@@ -2,7 +2,6 @@
 #define _POSIX_C_SOURCE 200809L
 
 #include <scree/draco.h>
-#include <scree/field.h>
 #include <scree/threads.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,7 +12,7 @@
 #include "buffer.h"
 #include "file.h"
 #include "rock_export.h"
-#include "scene_support.h"
+#include "scene_world.h"
 #include "timer.h"
 
 static const char usage[] =
@@ -24,7 +23,9 @@ static const char usage[] =
     "  -o, --output FILE    the .glb to write; it appears only when it is whole\n"
     "      --format FORMAT  instanced (EXT_mesh_gpu_instancing and Draco, small; the default) or\n"
     "                       flat (plain glTF, for tools that know neither)\n"
-    "      --lod N          level of detail of every rock, 0 = finest (default 0); the coarsest if there are fewer\n"
+    "      --rocks WHICH    visible (the default): without those that nobody can see behind their neighbours, for pictures; or\n"
+    "                       all: every rock of the scene, for physics and counts\n"
+    "      --lod N          level of detail of every rock, 0 = finest (default 0)\n"
     "      --packs DIR      where NAME.scree of a field's pack is (default " SCENE_DEFAULT_PACKS
     ")\n"
     "      --data DIR       where meshes and pictures are that are not beside the scene (default " SCENE_DEFAULT_DATA
@@ -36,7 +37,7 @@ static const char usage[] =
     "Exit status: 0 done, 1 the machine failed (memory, disk), 2 a mistake in the arguments or the scene.\n";
 
 typedef struct options {
-  const char *scene, *output, *format, *packs, *data, *report;
+  const char *scene, *output, *format, *packs, *data, *report, *rocks;
   uint32_t lod, threads;
 } options;
 
@@ -68,64 +69,15 @@ static void end_progress(const progress* p) {
   if (p->is_shown && p->last >= 0) fprintf(stderr, "\r%*s\r", 48, "");
 }
 
-/* Packs that are open; fields that name the same one share it. */
-typedef struct open_packs {
-  struct {
-    char path[SCENE_FILE_SIZE * 2];
-    scree_pack* pack;
-  } items[SCENE_FIELDS_MAX];
-  uint32_t count;
-} open_packs;
-
-static scree_result find_pack(open_packs* packs, const scene_paths* paths, const char* where, const char* name, scree_pack** out,
-                              scree_error* error) {
-  char path[SCENE_FILE_SIZE * 2];
-  scree_result result = scene_find_pack(paths, where, name, path, sizeof path, error);
-  if (result != SCREE_OK) return result;
-  for (uint32_t i = 0; i < packs->count; ++i) {
-    if (strcmp(packs->items[i].path, path) == 0) {
-      *out = packs->items[i].pack;
-      return SCREE_OK;
-    }
-  }
-  result = scree_pack_open_file(path, NULL, out);
-  if (result != SCREE_OK) return fail_with(error, result, "%s: %s", path, scree_result_string(result));
-  memcpy(packs->items[packs->count].path, path, sizeof path);
-  packs->items[packs->count++].pack = *out;
-  return SCREE_OK;
-}
-
-/* Asks which rocks there are, and for the hash of each. */
-static scree_result query_rocks(const scree_query_desc* query, rock_layer* layer, const char* where, scree_error* error) {
-  uint64_t count = 0;
-  scree_result result = scree_query_count(query, &count);
-  if (result != SCREE_OK) return fail_with(error, result, "%s: %s", where, scree_result_string(result));
-  if (count > INT32_MAX)
-    return fail_with(error, SCREE_ERROR_RANGE, "%s: %llu rocks are too many", where, (unsigned long long)count);
-  size_t room = count > 0 ? (size_t)count : 1;
-  scree_instance* instances = malloc(room * sizeof *instances);
-  scree_id* ids = malloc(room * sizeof *ids);
-  uint32_t* hashes = malloc(room * sizeof *hashes);
-  layer->instances = instances;
-  layer->hashes = hashes;
-  layer->count = count;
-  if (instances == NULL || ids == NULL || hashes == NULL) {
-    result = fail_with(error, SCREE_ERROR_OUT_OF_MEMORY, "%s: out of memory for %llu rocks", where, (unsigned long long)count);
-  } else {
-    result = scree_query_fill(query, instances, ids, count, &count);
-    if (result != SCREE_OK) fail_with(error, result, "%s: %s", where, scree_result_string(result));
-  }
-  for (uint64_t i = 0; i < count && result == SCREE_OK; ++i) hashes[i] = scree_world_hash(query->field, &ids[i]);
-  free(ids);
-  return result;
-}
+/* More would not fit into the 4 GiB of a .glb. */
+#define ROCKS_MOST 100000000u
 
 typedef struct scatter {
   const options* options;
   scene_model scene;
   scene_paths paths;
-  scene_files* files;
-  open_packs packs;
+  scene_world* world;
+  scene_rocks rocks;
   scree_jobs jobs;
   rock_export* export;
   progress progress;
@@ -133,44 +85,54 @@ typedef struct scatter {
   scree_error error;
 } scatter;
 
+/* The rocks of a field as the exporter takes them. */
+static scree_result fill_layer(const scatter* s, rock_layer* layer, scree_instance** instances, uint32_t** hashes) {
+  const size_t room = s->rocks.count > 0 ? (size_t)s->rocks.count : 1;
+  const scree_scene* scene = scene_world_scene(s->world);
+  *instances = malloc(room * sizeof **instances);
+  *hashes = malloc(room * sizeof **hashes);
+  if (*instances == NULL || *hashes == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
+  for (uint64_t i = 0; i < s->rocks.count; ++i) {
+    const scree_rock* rock = &s->rocks.rocks[i];
+    (*instances)[i].asset = rock->asset;
+    memcpy((*instances)[i].position, rock->position, sizeof rock->position);
+    (*hashes)[i] = scree_scene_random(scene, &rock->id);
+  }
+  layer->instances = *instances;
+  layer->hashes = *hashes;
+  layer->count = s->rocks.count;
+  return SCREE_OK;
+}
+
 static scree_result add_field(scatter* s, uint32_t index) {
   const scene_field* field = &s->scene.fields[index];
-  char where[SCENE_FILE_SIZE + 64], key[32];
-  snprintf(key, sizeof key, "fields[%u].pack", index);
-  snprintf(where, sizeof where, "%.*s: fields[%u]", SCENE_FILE_SIZE, s->options->scene, index);
   double start = timer_seconds();
-  scree_pack* pack;
-  scree_result result = find_pack(&s->packs, &s->paths, key, field->pack, &pack, &s->error);
-  if (result != SCREE_OK) return result;
-  scree_support* support = NULL;
-  result = scene_support_create(&s->scene, index, &s->paths, s->files, &s->jobs, &support, &s->error);
-  if (result != SCREE_OK) return result;
-  scree_field* rocks = NULL;
-  scree_field_desc desc = {.pack = pack, .seed = field->seed, .cell_size = field->cell_size};
-  memcpy(desc.origin, field->origin, sizeof desc.origin);
-  result = scree_field_create(&desc, NULL, &rocks);
-  if (result != SCREE_OK) fail_with(&s->error, result, "%s: %s", where, scree_result_string(result));
+  scree_pack_info info;
+  scree_pack_get_info(scene_world_pack(s->world, index), &info);
+  if (s->options->lod >= info.lod_count)
+    return fail_with(&s->error, SCREE_ERROR_RANGE, "%s: fields[%u]: --lod %u: the pack \"%s\" has the levels 0..%u",
+                     s->options->scene, (unsigned)index, s->options->lod, field->pack, info.lod_count - 1);
   rock_layer layer = {.name = field->name[0] != '\0' ? field->name : field->pack,
-                      .pack = pack,
+                      .pack = scene_world_pack(s->world, index),
                       .cell_size = field->cell_size,
                       .palette = &field->palette};
   /* Places are told from the support's own, so that they are exact wherever in the world it lies. */
   memcpy(layer.origin, field->support->position, sizeof layer.origin);
-  if (result == SCREE_OK) {
-    scree_query_desc query = {
-        .field = rocks, .support = support, .threshold = (float)field->threshold, .flags = field->shell ? SCREE_QUERY_SHELL : 0};
-    memcpy(query.origin, layer.origin, sizeof query.origin);
-    result = query_rocks(&query, &layer, where, &s->error);
-  }
-  if (result == SCREE_OK) {
+  const uint32_t flags = strcmp(s->options->rocks, "all") == 0 ? 0 : SCREE_SCENE_VISIBLE;
+  scree_result result = scene_world_query(s->world, index, layer.origin, flags, ROCKS_MOST, &s->rocks, &s->error);
+  if (result != SCREE_OK) return result;
+  scree_instance* instances = NULL;
+  uint32_t* hashes = NULL;
+  result = fill_layer(s, &layer, &instances, &hashes);
+  if (result != SCREE_OK) {
+    fail_with(&s->error, result, "%s: fields[%u]: out of memory", s->options->scene, (unsigned)index);
+  } else {
     s->progress.field = index;
     result = rock_export_add(s->export, &layer, &s->reports[index].stats, &s->error);
   }
   s->reports[index].seconds = timer_seconds() - start;
-  free((void*)layer.instances);
-  free((void*)layer.hashes);
-  scree_field_destroy(rocks);
-  scree_support_destroy(support);
+  free(instances);
+  free(hashes);
   return result;
 }
 
@@ -180,6 +142,8 @@ static char* write_report(const scatter* s, const rock_export_stats* stats, doub
   buffer_string(&t, s->options->scene);
   buffer_add(&t, ",\n  \"format\": ");
   buffer_string(&t, s->options->format);
+  buffer_add(&t, ",\n  \"rocks\": ");
+  buffer_string(&t, s->options->rocks);
   buffer_format(&t,
                 ",\n  \"lod\": %u,\n  \"instances\": %llu,\n  \"unique_meshes\": %llu,\n  \"triangles\": %llu,\n  \"bytes\": %llu",
                 s->options->lod, (unsigned long long)stats->instances, (unsigned long long)stats->shapes,
@@ -230,16 +194,17 @@ static int run(scatter* s) {
   if (result != SCREE_OK) return finish(s, result, false);
   s->progress = (progress){.is_shown = isatty(STDERR_FILENO) != 0, .fields = s->scene.field_count, .last = -1};
   s->reports = calloc(s->scene.field_count + 1, sizeof *s->reports);
-  s->files = scene_files_create();
-  if (s->reports == NULL || s->files == NULL)
-    return finish(s, fail_with(&s->error, SCREE_ERROR_OUT_OF_MEMORY, "%s: out of memory", o->scene), false);
+  if (s->reports == NULL) return finish(s, fail_with(&s->error, SCREE_ERROR_OUT_OF_MEMORY, "%s: out of memory", o->scene), false);
   rock_export_desc desc = {.path = o->output,
                            .format = strcmp(o->format, "flat") == 0 ? ROCK_FORMAT_FLAT : ROCK_FORMAT_INSTANCED,
                            .lod = o->lod,
                            .jobs = s->jobs,
                            .progress = show_progress,
                            .user = &s->progress};
+  const scene_world_desc wanted = {.scene = &s->scene, .paths = s->paths, .jobs = s->jobs};
   result = rock_export_begin(&desc, &s->export, &s->error);
+  if (result == SCREE_OK) result = scene_world_create(&wanted, &s->world, &s->error);
+  if (result == SCREE_OK) result = scene_world_update_all(s->world, &s->error);
   for (uint32_t i = 0; i < s->scene.field_count && result == SCREE_OK; ++i) result = add_field(s, i);
   if (result != SCREE_OK) return finish(s, result, false);
   rock_export_stats stats;
@@ -262,14 +227,15 @@ static int bad_usage(const scree_error* error) {
 }
 
 int main(int argc, char** argv) {
-  options o = {.format = "instanced"};
+  options o = {.format = "instanced", .rocks = "visible"};
   const char* lod = "0";
   const char* threads = NULL;
   bool help = false, version = false;
   const argument known[] = {
       {"--output", "-o", &o.output, NULL}, {"--format", NULL, &o.format, NULL}, {"--lod", NULL, &lod, NULL},
       {"--packs", NULL, &o.packs, NULL},   {"--data", NULL, &o.data, NULL},     {"--report", NULL, &o.report, NULL},
-      {"--threads", NULL, &threads, NULL}, {"--help", "-h", NULL, &help},       {"--version", NULL, NULL, &version},
+      {"--threads", NULL, &threads, NULL}, {"--rocks", NULL, &o.rocks, NULL},   {"--help", "-h", NULL, &help},
+      {"--version", NULL, NULL, &version},
   };
   size_t scenes;
   scree_error error;
@@ -280,6 +246,7 @@ int main(int argc, char** argv) {
   if (threads != NULL && !arguments_number("--threads", threads, 1, 64, &o.threads, &error)) return bad_usage(&error);
   const char* missing = scenes == 0 ? "a scene is missing" : o.output == NULL ? "-o OUT.glb is missing" : NULL;
   if (strcmp(o.format, "instanced") != 0 && strcmp(o.format, "flat") != 0) missing = "--format: expected instanced or flat";
+  if (strcmp(o.rocks, "visible") != 0 && strcmp(o.rocks, "all") != 0) missing = "--rocks: expected visible or all";
   if (missing != NULL) {
     fail_with(&error, SCREE_ERROR_INVALID_ARGUMENT, "%s (--help says what there is)", missing);
     return bad_usage(&error);
@@ -295,8 +262,8 @@ int main(int argc, char** argv) {
   int status = result == SCREE_OK ? run(s) : finish(s, result, false);
   scree_threads_destroy(pool);
   rock_export_abort(s->export);
-  for (uint32_t i = 0; i < s->packs.count; ++i) scree_pack_close(s->packs.items[i].pack);
-  scene_files_destroy(s->files);
+  scene_world_destroy(s->world);
+  scene_rocks_free(&s->rocks);
   scene_destroy(&s->scene);
   free(s->reports);
   free(s);

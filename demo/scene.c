@@ -30,8 +30,13 @@ void scene_init(scene_model* out) {
   out->ground.map.high = 1;
 }
 
+static void empty_field(scene_field* field) {
+  scene_node_destroy(field->support);
+  free(field->filters);
+}
+
 void scene_destroy(scene_model* scene) {
-  for (uint32_t i = 0; i < scene->field_count; ++i) scene_node_destroy(scene->fields[i].support);
+  for (uint32_t i = 0; i < scene->field_count; ++i) empty_field(&scene->fields[i]);
   free(scene->fields);
   memset(scene, 0, sizeof *scene);
 }
@@ -47,6 +52,8 @@ scene_field* scene_add_field(scene_model* scene) {
   field->cell_size = 1;
   field->threshold = 0.5;
   field->shell = true;
+  field->key = -1;
+  field->density = 1;
   set_colour(field->palette.colours[0], 178, 172, 160);
   set_colour(field->palette.colours[1], 158, 155, 150);
   set_colour(field->palette.colours[2], 172, 158, 138);
@@ -58,9 +65,34 @@ scene_field* scene_add_field(scene_model* scene) {
 
 void scene_remove_field(scene_model* scene, uint32_t index) {
   if (index >= scene->field_count) return;
-  scene_node_destroy(scene->fields[index].support);
+  empty_field(&scene->fields[index]);
   --scene->field_count;
   memmove(&scene->fields[index], &scene->fields[index + 1], (scene->field_count - index) * sizeof *scene->fields);
+}
+
+uint16_t scene_field_key(const scene_model* scene, uint32_t index) {
+  const int32_t key = scene->fields[index].key;
+  return (uint16_t)(key >= 0 ? (uint32_t)key : index);
+}
+
+scene_filter* scene_add_filter(scene_field* field, scree_filter_kind kind) {
+  if (field->filter_count >= SCENE_FILTERS_MAX) return NULL;
+  scene_filter* grown = realloc(field->filters, (field->filter_count + 1) * sizeof *grown);
+  if (grown == NULL) return NULL;
+  field->filters = grown;
+  scene_filter* filter = &grown[field->filter_count++];
+  memset(filter, 0, sizeof *filter);
+  filter->kind = kind;
+  filter->to = kind == SCREE_FILTER_SLOPE ? 90 : 0;
+  filter->map.spacing = 1;
+  filter->map.high = 1;
+  return filter;
+}
+
+void scene_remove_filter(scene_field* field, uint32_t index) {
+  if (index >= field->filter_count) return;
+  --field->filter_count;
+  memmove(&field->filters[index], &field->filters[index + 1], (field->filter_count - index) * sizeof *field->filters);
 }
 
 const char* scene_kind_name(scree_shape_kind kind) {
@@ -94,6 +126,15 @@ const char* scene_pattern_name(scree_pattern_kind kind) {
     case SCREE_PATTERN_LINES: return "lines";
     case SCREE_PATTERN_RINGS: return "rings";
     case SCREE_PATTERN_WAVES: return "waves";
+  }
+  return NULL;
+}
+
+const char* scene_filter_name(scree_filter_kind kind) {
+  switch (kind) {
+    case SCREE_FILTER_MASK: return "mask";
+    case SCREE_FILTER_SLOPE: return "slope";
+    case SCREE_FILTER_ALTITUDE: return "altitude";
   }
   return NULL;
 }

@@ -8,7 +8,7 @@
 #ifndef SCENE_H
 #define SCENE_H
 
-#include <scree/support.h>
+#include <scree/scene.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -18,6 +18,7 @@ enum {
   SCENE_NAME_SIZE = 64,        /* bytes of a name with its NUL, UTF-8 */
   SCENE_FILE_SIZE = 512,       /* bytes of a file name with its NUL */
   SCENE_PALETTE_MAX = 8,       /* base colours of one field */
+  SCENE_FILTERS_MAX = 16,      /* filters of one field */
   SCENE_FIELDS_MAX = 64,       /* fields of a scene */
   SCENE_NODES_MAX = 4096,      /* nodes of one support tree */
   SCENE_DEPTH_MAX = 64,        /* levels of one support tree */
@@ -134,6 +135,16 @@ typedef struct scene_node {
   uint32_t child_count;
 } scene_node;
 
+/* How dense a field is from place to place: members mean what those of scree_filter mean. */
+typedef struct scene_filter {
+  scree_filter_kind kind;
+  bool inverted;
+  double from, to, fade; /* SLOPE: degrees; ALTITUDE: world y, metres; from <= to, fade >= 0 */
+  scene_height_map map;  /* MASK: shares (low 0 and high 1, which the file does not hold); SLOPE: heights */
+  double position[3];    /* MASK, SLOPE: where the centre of the map lies; y is not used */
+} scene_filter;
+
+/* Fields are layers of a scree_scene in the order of the file: where they overlap, the earlier wins. */
 typedef struct scene_field {
   char name[SCENE_NAME_SIZE];
   char pack[SCENE_FILE_SIZE]; /* name of a recipe, or the path of a .scree file */
@@ -141,7 +152,11 @@ typedef struct scene_field {
   double cell_size;           /* metres, > 0 */
   double origin[3];           /* world position of corner (0, 0, 0), metres */
   double threshold;           /* share of a rock that must lie inside, 0..1 exclusive */
-  bool shell;                 /* leave out the rocks that nobody can see */
+  bool shell;                 /* leave out the rocks deeper below the surface than twice the largest radius */
+  int32_t key;                /* of the layer, 0..65535, goes into ids; -1 = the field's index */
+  double density;             /* share of its rocks that exist, 0..1, > 0 */
+  scene_filter* filters;      /* owned, malloc */
+  uint32_t filter_count;
   scene_palette palette;
   scene_node* support; /* owned; NULL only while a scene is being built */
 } scene_field;
@@ -181,6 +196,13 @@ scree_result scene_save(const scene_model* scene, const char* file, scree_error*
 scene_field* scene_add_field(scene_model* scene);
 void scene_remove_field(scene_model* scene, uint32_t index);
 
+/* The key of a field's layer. */
+uint16_t scene_field_key(const scene_model* scene, uint32_t index);
+
+/* Appends a filter with default values. NULL when memory is short or there are SCENE_FILTERS_MAX. */
+scene_filter* scene_add_filter(scene_field* field, scree_filter_kind kind);
+void scene_remove_filter(scene_field* field, uint32_t index);
+
 /* A node of this kind with the default parameters (a sphere of radius 1 and the like), or NULL when memory is short. */
 scene_node* scene_node_create(scree_shape_kind kind);
 
@@ -219,8 +241,9 @@ static inline bool scene_kind_has_children(scree_shape_kind kind) {
 
 /* The word of the file format for a kind ("smooth_union"), or NULL. */
 const char* scene_kind_name(scree_shape_kind kind);
-/* The same for a pattern ("lines"). */
+/* The same for a pattern ("lines") and a filter ("slope"). */
 const char* scene_pattern_name(scree_pattern_kind kind);
+const char* scene_filter_name(scree_filter_kind kind);
 
 /* The unit quaternion (x, y, z, w) of a node's rotation. Uses + - * / only, so that it is the same on every machine. */
 void scene_rotation_quaternion(const double degrees[3], double quaternion[4]);

@@ -35,16 +35,20 @@ static bool is_zero(const double v[3]) {
   return v[0] == 0 && v[1] == 0 && v[2] == 0;
 }
 
-static bool read_height_map(json_reader* r, const cJSON* object, scene_height_map* out) {
-  bool good = require_text(r, object, "file", sizeof out->file, out->file) &&
-              positive_number(r, object, "spacing", &out->spacing) && json_number(r, object, "low", any_height, &out->low) &&
-              json_number(r, object, "high", any_height, &out->high) &&
-              json_integers(r, object, "crop", SCENE_CROP_MAX, 4, out->crop);
-  if (!good) return false;
-  if (!(out->low < out->high)) return json_fail(r, "high", "expected a number > low (%g), got %g", out->low, out->high);
+static bool read_crop(json_reader* r, const cJSON* object, scene_height_map* out) {
+  if (!json_integers(r, object, "crop", SCENE_CROP_MAX, 4, out->crop)) return false;
   bool cropped = cJSON_HasObjectItem(object, "crop");
   if (cropped && (out->crop[2] < 2 || out->crop[3] < 2)) return json_fail(r, "crop", "expected at least 2 columns and 2 rows");
   return true;
+}
+
+static bool read_height_map(json_reader* r, const cJSON* object, scene_height_map* out) {
+  bool good = require_text(r, object, "file", sizeof out->file, out->file) &&
+              positive_number(r, object, "spacing", &out->spacing) && json_number(r, object, "low", any_height, &out->low) &&
+              json_number(r, object, "high", any_height, &out->high);
+  if (!good) return false;
+  if (!(out->low < out->high)) return json_fail(r, "high", "expected a number > low (%g), got %g", out->low, out->high);
+  return read_crop(r, object, out);
 }
 
 static bool read_camera(json_reader* r, const cJSON* value, scene_camera* out) {
@@ -381,16 +385,81 @@ static scene_node* read_node(json_reader* r, const cJSON* value, uint32_t depth,
   return NULL;
 }
 
+static const char* const* keys_of_filter(scree_filter_kind kind) {
+  static const char* const mask[] = {"file", "spacing", "crop", "position", NULL};
+  static const char* const slope[] = {"file", "spacing", "low", "high", "crop", "position", "from", "to", "fade", NULL};
+  static const char* const altitude[] = {"from", "to", "fade", NULL};
+  return kind == SCREE_FILTER_MASK ? mask : kind == SCREE_FILTER_SLOPE ? slope : altitude;
+}
+
+static bool read_filter(json_reader* r, const cJSON* value, scene_field* field) {
+  static const char* const any[] = {"filter", "inverted", NULL};
+  static const json_limits degrees = {0, 90, false, false};
+  char word[16] = "";
+  if (!cJSON_IsObject(value)) return json_fail_expected(r, NULL, "an object", value);
+  if (!require(r, value, "filter") || !json_string(r, value, "filter", sizeof word, word)) return false;
+  int kind = SCREE_FILTER_MASK;
+  while (kind <= SCREE_FILTER_ALTITUDE && strcmp(scene_filter_name((scree_filter_kind)kind), word) != 0) ++kind;
+  if (kind > SCREE_FILTER_ALTITUDE) return json_fail(r, "filter", "expected mask, slope or altitude, got \"%s\"", word);
+  if (!json_check_object(r, value, any, keys_of_filter((scree_filter_kind)kind))) return false;
+  scene_filter* out = scene_add_filter(field, (scree_filter_kind)kind);
+  if (out == NULL) return json_fail_memory(r);
+  if (!json_bool(r, value, "inverted", &out->inverted)) return false;
+  if (kind != SCREE_FILTER_ALTITUDE && !json_vector(r, value, "position", any_place, 3, out->position)) return false;
+  if (kind == SCREE_FILTER_MASK)
+    return require_text(r, value, "file", sizeof out->map.file, out->map.file) &&
+           positive_number(r, value, "spacing", &out->map.spacing) && read_crop(r, value, &out->map);
+  if (kind == SCREE_FILTER_SLOPE && !read_height_map(r, value, &out->map)) return false;
+  const json_limits limits = kind == SCREE_FILTER_SLOPE ? degrees : any_place;
+  if (!json_number(r, value, "from", limits, &out->from) || !json_number(r, value, "to", limits, &out->to) ||
+      !json_number(r, value, "fade", not_negative, &out->fade))
+    return false;
+  return out->from <= out->to || json_fail(r, "to", "expected a number >= from (%g), got %g", out->from, out->to);
+}
+
+static bool read_filters(json_reader* r, const cJSON* value, scene_field* out) {
+  if (!cJSON_IsArray(value) || cJSON_GetArraySize(value) > SCENE_FILTERS_MAX)
+    return json_fail_expected(r, NULL, "an array of at most 16 filters", value);
+  const cJSON* item;
+  uint32_t index = 0;
+  cJSON_ArrayForEach(item, value) {
+    size_t before = json_enter_index(r, index++);
+    const bool good = read_filter(r, item, out);
+    json_leave(r, before);
+    if (!good) return false;
+  }
+  return true;
+}
+
+/* Layers are told apart by their keys. */
+static bool check_key(json_reader* r, const scene_model* scene, uint32_t index) {
+  for (uint32_t i = 0; i < index; ++i)
+    if (scene_field_key(scene, i) == scene_field_key(scene, index))
+      return json_fail(r, "key", "fields[%u] has the key %u already", i, scene_field_key(scene, index));
+  return true;
+}
+
 static bool read_field(json_reader* r, const cJSON* value, scene_field* out) {
-  static const char* const keys[] = {"name",      "pack",  "seed",    "cell_size", "origin",
-                                     "threshold", "shell", "palette", "support",   NULL};
-  static const json_limits share = {0, 1, true, true};
-  bool good = json_check_object(r, value, keys, NULL) && json_string(r, value, "name", sizeof out->name, out->name) &&
-              require_text(r, value, "pack", sizeof out->pack, out->pack) &&
-              json_integer(r, value, "seed", 0, UINT64_C(1) << 53, &out->seed) &&
-              positive_number(r, value, "cell_size", &out->cell_size) &&
-              json_vector(r, value, "origin", any_place, 3, out->origin) &&
-              json_number(r, value, "threshold", share, &out->threshold) && json_bool(r, value, "shell", &out->shell);
+  static const char* const keys[] = {"name",    "pack",    "seed", "cell_size", "origin",  "threshold", "shell",
+                                     "palette", "support", "key",  "density",   "filters", NULL};
+  static const json_limits share = {0, 1, true, true}, density = {0, 1, true, false};
+  bool good =
+      json_check_object(r, value, keys, NULL) && json_string(r, value, "name", sizeof out->name, out->name) &&
+      require_text(r, value, "pack", sizeof out->pack, out->pack) &&
+      json_integer(r, value, "seed", 0, UINT64_C(1) << 53, &out->seed) && positive_number(r, value, "cell_size", &out->cell_size) &&
+      json_vector(r, value, "origin", any_place, 3, out->origin) && json_number(r, value, "threshold", share, &out->threshold) &&
+      json_bool(r, value, "shell", &out->shell) && json_number(r, value, "density", density, &out->density);
+  uint64_t number = 0;
+  if (good && cJSON_HasObjectItem(value, "key")) {
+    good = json_integer(r, value, "key", 0, UINT16_MAX, &number);
+    out->key = (int32_t)number;
+  }
+  const cJSON* filters = good ? cJSON_GetObjectItemCaseSensitive(value, "filters") : NULL;
+  if (filters != NULL) {
+    size_t before = json_enter_key(r, "filters");
+    good = read_filters(r, filters, out);
+    json_leave(r, before);
+  }
   const cJSON* palette = good ? cJSON_GetObjectItemCaseSensitive(value, "palette") : NULL;
   if (palette != NULL) {
     size_t before = json_enter_key(r, "palette");
@@ -418,7 +487,7 @@ static bool read_fields(json_reader* r, const cJSON* root, scene_model* out) {
     if (field == NULL) {
       json_fail_memory(r);
     } else {
-      read_field(r, item, field);
+      if (read_field(r, item, field)) check_key(r, out, out->field_count - 1);
     }
     json_leave(r, element);
     if (r->result != SCREE_OK) break;

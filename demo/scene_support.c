@@ -240,10 +240,11 @@ static scree_result fail_at_shape(builder* b, const scene_node* root, scree_resu
   return fail_with(b->error, result, "%s: %s: %s%s%.300s", b->paths->scene, b->where, file, file[0] != '\0' ? ": " : "", message);
 }
 
-static scree_result build(builder* b, const scene_node* root, const scree_jobs* jobs, scree_support** out) {
+static scree_result build(builder* b, const scene_node* root, const scree_jobs* jobs, const scree_support* reuse,
+                          scree_support** out) {
   scree_result result = add_node(b, root);
   if (result != SCREE_OK) return result;
-  scree_support_desc desc = {.shapes = b->shapes, .shape_count = b->shape_count};
+  scree_support_desc desc = {.shapes = b->shapes, .shape_count = b->shape_count, .reuse = reuse};
   memcpy(desc.origin, root->position, sizeof desc.origin);
   if (jobs != NULL) desc.jobs = *jobs;
   scree_error cause = {""};
@@ -253,7 +254,7 @@ static scree_result build(builder* b, const scene_node* root, const scree_jobs* 
 }
 
 scree_result scene_support_create(const scene_model* scene, uint32_t index, const scene_paths* paths, scene_files* files,
-                                  const scree_jobs* jobs, scree_support** out, scree_error* error) {
+                                  const scree_jobs* jobs, const scree_support* reuse, scree_support** out, scree_error* error) {
   *out = NULL;
   builder b = {.paths = paths, .files = files, .error = error};
   b.length = (size_t)snprintf(b.where, sizeof b.where, "fields[%u].support", index);
@@ -268,7 +269,7 @@ scree_result scene_support_create(const scene_model* scene, uint32_t index, cons
   if (b.files == NULL || b.shapes == NULL || b.children == NULL || b.numbers == NULL) {
     result = fail_with(error, SCREE_ERROR_OUT_OF_MEMORY, "%s: out of memory", paths->scene);
   } else {
-    result = build(&b, root, jobs, out);
+    result = build(&b, root, jobs, reuse, out);
   }
   free(b.shapes);
   free(b.children);

@@ -44,10 +44,10 @@ scree_result scene_files_heights(scene_files* files, const scene_paths* paths, c
 
 /* Compiles the support of field `index`. The support stands on its own: the scene may change afterwards.
  * The position of the root becomes the support's origin, in doubles, so that a scene may lie far from the world's.
- * files: may be NULL (every file is then read). jobs: may be NULL. error: one line with the scene's file and the key.
- * Returns SCREE_OK or the code of whatever went wrong. */
+ * files: may be NULL (every file is then read). jobs: may be NULL. reuse: NULL, or an earlier support, whose grids of the same
+ * meshes are taken over. error: one line with the scene's file and the key. Returns SCREE_OK or the code of whatever went wrong. */
 scree_result scene_support_create(const scene_model* scene, uint32_t index, const scene_paths* paths, scene_files* files,
-                                  const scree_jobs* jobs, scree_support** out, scree_error* error);
+                                  const scree_jobs* jobs, const scree_support* reuse, scree_support** out, scree_error* error);
 
 /* A leaf alone in its own space, without its transform: what a viewer asks for distances. Returns what scree_support_create
  * returns, or UNSUPPORTED for groups and shapes from files. */

@@ -48,6 +48,19 @@ static void colour_key(text_buffer* t, uint32_t indent, const char* name, const 
   colour(t, value);
 }
 
+static void bool_key(text_buffer* t, uint32_t indent, const char* name, bool value) {
+  key(t, indent, name);
+  buffer_add(t, value ? "true" : "false");
+}
+
+/* Behind another key. */
+static void write_crop(text_buffer* t, uint32_t indent, const scene_height_map* map) {
+  if (map->crop[2] == 0) return;
+  end(t, false);
+  key(t, indent, "crop");
+  buffer_format(t, "[%u, %u, %u, %u]", map->crop[0], map->crop[1], map->crop[2], map->crop[3]);
+}
+
 /* All but the end of the last line. */
 static void write_height_map(text_buffer* t, uint32_t indent, const scene_height_map* map) {
   string_key(t, indent, "file", map->file);
@@ -57,10 +70,7 @@ static void write_height_map(text_buffer* t, uint32_t indent, const scene_height
   number_key(t, indent, "low", map->low);
   end(t, false);
   number_key(t, indent, "high", map->high);
-  if (map->crop[2] == 0) return;
-  end(t, false);
-  key(t, indent, "crop");
-  buffer_format(t, "[%u, %u, %u, %u]", map->crop[0], map->crop[1], map->crop[2], map->crop[3]);
+  write_crop(t, indent, map);
 }
 
 static bool is_zero(const double v[3]) {
@@ -161,8 +171,7 @@ static void write_parameters(text_buffer* t, uint32_t indent, const scene_node* 
     case SCREE_SHAPE_TUBE:
       write_points(t, indent, node);
       end(t, false);
-      key(t, indent, "closed");
-      buffer_add(t, node->tube.closed ? "true" : "false");
+      bool_key(t, indent, "closed", node->tube.closed);
       end(t, false);
       if (node->tube.subdivisions != 0) {
         integer_key(t, indent, "subdivisions", node->tube.subdivisions);
@@ -240,6 +249,50 @@ static void write_node(text_buffer* t, uint32_t indent, const scene_node* node) 
   buffer_add(t, "}");
 }
 
+static void write_filter(text_buffer* t, const scene_filter* filter) {
+  buffer_add(t, "{\n");
+  string_key(t, 5, "filter", scene_filter_name(filter->kind));
+  end(t, false);
+  if (filter->kind == SCREE_FILTER_MASK) {
+    string_key(t, 5, "file", filter->map.file);
+    end(t, false);
+    number_key(t, 5, "spacing", filter->map.spacing);
+    write_crop(t, 5, &filter->map);
+    end(t, false);
+  } else if (filter->kind == SCREE_FILTER_SLOPE) {
+    write_height_map(t, 5, &filter->map);
+    end(t, false);
+  }
+  if (filter->kind != SCREE_FILTER_ALTITUDE) {
+    vector_key(t, 5, "position", filter->position);
+    end(t, false);
+  }
+  if (filter->kind != SCREE_FILTER_MASK) {
+    number_key(t, 5, "from", filter->from);
+    end(t, false);
+    number_key(t, 5, "to", filter->to);
+    end(t, false);
+    number_key(t, 5, "fade", filter->fade);
+    end(t, false);
+  }
+  bool_key(t, 5, "inverted", filter->inverted);
+  end(t, true);
+  buffer_indent(t, 4);
+  buffer_add(t, "}");
+}
+
+static void write_filters(text_buffer* t, const scene_field* field) {
+  key(t, 3, "filters");
+  buffer_add(t, "[\n");
+  for (uint32_t i = 0; i < field->filter_count; ++i) {
+    buffer_indent(t, 4);
+    write_filter(t, &field->filters[i]);
+    end(t, i + 1 == field->filter_count);
+  }
+  buffer_indent(t, 3);
+  buffer_add(t, "]");
+}
+
 static void write_field(text_buffer* t, const scene_field* field) {
   buffer_add(t, "{\n");
   if (field->name[0] != '\0') {
@@ -257,9 +310,20 @@ static void write_field(text_buffer* t, const scene_field* field) {
   end(t, false);
   number_key(t, 3, "threshold", field->threshold);
   end(t, false);
-  key(t, 3, "shell");
-  buffer_add(t, field->shell ? "true" : "false");
+  bool_key(t, 3, "shell", field->shell);
   end(t, false);
+  if (field->key >= 0) {
+    integer_key(t, 3, "key", (uint32_t)field->key);
+    end(t, false);
+  }
+  if (field->density != 1) {
+    number_key(t, 3, "density", field->density);
+    end(t, false);
+  }
+  if (field->filter_count > 0) {
+    write_filters(t, field);
+    end(t, false);
+  }
   key(t, 3, "palette");
   buffer_add(t, "{\n");
   key(t, 4, "colours");

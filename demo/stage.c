@@ -9,100 +9,48 @@
 #include "terrain.h"
 #include "timer.h"
 
-#define PATH_SIZE (2 * SCENE_FILE_SIZE)
-
-/* A pack and its meshes, shared by all fields that name it. */
-typedef struct opened_pack {
-  char path[PATH_SIZE];
-  scree_pack* pack; /* NULL = free slot */
-  uint32_t source;
-  uint32_t users;
-} opened_pack;
-
 typedef struct staged_field {
-  opened_pack* pack;
-  scree_field* field;
-  scree_support* support;
-  scree_instance* instances;
-  scree_id* ids;
-  render_stone* stones;
+  scene_rocks rocks;
+  render_stone* stones; /* rocks.count, room for rocks.capacity */
+  uint64_t stones_room;
   uint32_t count;
   double seconds;
 } staged_field;
 
 struct stage {
   stage_desc desc;
-  scene_files* files;
+  scene_world* world;
   double origin[3];
-  opened_pack packs[SCENE_FIELDS_MAX];
+  uint32_t sources[SCENE_FIELDS_MAX + 1]; /* of the renderer, by the world's slots of packs */
   staged_field fields[SCENE_FIELDS_MAX];
   uint32_t field_count;
 };
 
 /* --- Packs --- */
 
-static scree_result open_pack(stage* s, uint32_t index, opened_pack** out, scree_error* error) {
-  char where[64], path[PATH_SIZE];
-  snprintf(where, sizeof where, "fields[%u].pack", (unsigned)index);
-  const char* name = s->desc.scene->fields[index].pack;
-  scree_result result = scene_find_pack(&s->desc.paths, where, name, path, sizeof path, error);
-  if (result != SCREE_OK) return result;
-  opened_pack* slot = NULL;
-  for (uint32_t i = 0; i < SCENE_FIELDS_MAX; ++i) {
-    opened_pack* p = &s->packs[i];
-    if (p->pack != NULL && strcmp(p->path, path) == 0) {
-      ++p->users;
-      *out = p;
-      return SCREE_OK;
-    }
-    if (p->pack == NULL && slot == NULL) slot = p;
-  }
-  if (slot == NULL) return fail_with(error, SCREE_ERROR_OUT_OF_MEMORY, "%s: too many packs", path);
-  scree_pack* pack = NULL;
+static scree_result pack_opened(void* user, uint32_t slot, const scree_pack* pack) {
+  stage* s = user;
   render_source source = {.assets = NULL};
-  result = scree_pack_open_file(path, NULL, &pack);
-  if (result == SCREE_OK) result = pack_source(pack, &source);
-  uint32_t number = RENDER_NOTHING;
-  if (result == SCREE_OK) {
-    number = render_add_source(s->desc.renderer, &source);
-    if (number == RENDER_NOTHING) result = SCREE_ERROR_OUT_OF_MEMORY;
-  }
+  scree_result result = pack_source(pack, &source);
+  if (result != SCREE_OK) return result;
+  s->sources[slot] = render_add_source(s->desc.renderer, &source);
   free((void*)source.assets);
-  if (result != SCREE_OK) {
-    scree_pack_close(pack);
-    return fail_with(error, result, "%s: %s", path, scree_result_string(result));
-  }
-  *slot = (opened_pack){.pack = pack, .source = number, .users = 1};
-  memcpy(slot->path, path, sizeof path);
-  *out = slot;
-  return SCREE_OK;
+  return s->sources[slot] == RENDER_NOTHING ? SCREE_ERROR_OUT_OF_MEMORY : SCREE_OK;
 }
 
-static void close_pack(stage* s, opened_pack* p) {
-  if (p == NULL || --p->users > 0) return;
-  render_remove_source(s->desc.renderer, p->source);
-  scree_pack_close(p->pack);
-  *p = (opened_pack){.pack = NULL};
+static void pack_closing(void* user, uint32_t slot) {
+  stage* s = user;
+  /* The renderer must not hold stones of a source that goes: it gets the others back with the next stage_show. */
+  render_set_stones(s->desc.renderer, NULL, 0);
+  render_remove_source(s->desc.renderer, s->sources[slot]);
 }
 
 /* --- Fields --- */
 
-static void forget_stones(staged_field* f) {
-  free(f->instances);
-  free(f->ids);
+static void forget_field(staged_field* f) {
+  scene_rocks_free(&f->rocks);
   free(f->stones);
-  f->instances = NULL;
-  f->ids = NULL;
-  f->stones = NULL;
-  f->count = 0;
-}
-
-static void forget_field(stage* s, staged_field* f) {
-  forget_stones(f);
-  scree_support_destroy(f->support);
-  scree_field_destroy(f->field);
-  close_pack(s, f->pack);
-  *f = (staged_field){.pack = NULL};
+  *f = (staged_field){.stones = NULL};
 }
 
 static uint8_t srgb_byte(float linear) {
@@ -119,122 +67,93 @@ static void colour_stones(const stage* s, uint32_t index, staged_field* f) {
   }
 }
 
-/* Queries into new arrays; the old ones go only when all is well. */
-static scree_result query(const stage* s, uint32_t index, staged_field* f, scree_error* error) {
+static scree_result query(stage* s, uint32_t index, scree_error* error) {
+  staged_field* f = &s->fields[index];
   const scene_field* model = &s->desc.scene->fields[index];
-  scree_query_desc desc = {.field = f->field,
-                           .support = f->support,
-                           .threshold = (float)model->threshold,
-                           .flags = model->shell ? SCREE_QUERY_SHELL : 0};
-  memcpy(desc.origin, s->origin, sizeof desc.origin);
-  uint64_t count = 0;
-  scree_result result = scree_query_count(&desc, &count);
-  if (result == SCREE_OK && count > STAGE_STONES_MOST)
-    return fail_with(error, SCREE_ERROR_RANGE,
-                     "%s: fields[%u]: %llu stones are more than the %u that can be shown; enlarge cell_size", s->desc.paths.scene,
-                     (unsigned)index, (unsigned long long)count, STAGE_STONES_MOST);
-  scree_instance* instances = NULL;
-  scree_id* ids = NULL;
-  render_stone* stones = NULL;
-  if (result == SCREE_OK) {
-    const size_t room = count > 0 ? (size_t)count : 1;
-    instances = malloc(room * sizeof *instances);
-    ids = malloc(room * sizeof *ids);
-    stones = malloc(room * sizeof *stones);
-    result = instances == NULL || ids == NULL || stones == NULL ? SCREE_ERROR_OUT_OF_MEMORY
-                                                                : scree_query_fill(&desc, instances, ids, count, &count);
+  f->count = 0;
+  scree_result result = scene_world_query(s->world, index, s->origin, s->desc.flags, STAGE_STONES_MOST, &f->rocks, error);
+  if (result != SCREE_OK) return result;
+  if (f->rocks.count > f->stones_room) {
+    render_stone* stones = malloc((size_t)f->rocks.capacity * sizeof *stones);
+    if (stones == NULL) return fail_with(error, SCREE_ERROR_OUT_OF_MEMORY, "%s: out of memory", s->desc.paths.scene);
+    free(f->stones);
+    f->stones = stones;
+    f->stones_room = f->rocks.capacity;
   }
-  if (result != SCREE_OK) {
-    free(instances);
-    free(ids);
-    free(stones);
-    return fail_with(error, result, "%s: fields[%u]: %s", s->desc.paths.scene, (unsigned)index, scree_result_string(result));
+  const scree_scene* scene = scene_world_scene(s->world);
+  const scree_field* field = scene_world_field(s->world, index);
+  const uint16_t source = (uint16_t)s->sources[scene_world_pack_slot(s->world, index)];
+  for (uint64_t i = 0; i < f->rocks.count; ++i) {
+    const scree_rock* rock = &f->rocks.rocks[i];
+    f->stones[i] = (render_stone){.cell_size = (float)model->cell_size,
+                                  .hash = scree_scene_random(scene, &rock->id),
+                                  .asset = rock->asset,
+                                  .tile = (uint8_t)scree_field_tile_code(field, rock->id.cube),
+                                  .source = source,
+                                  .group = (uint16_t)index};
+    memcpy(f->stones[i].position, rock->position, sizeof f->stones[i].position);
   }
-  for (uint64_t i = 0; i < count; ++i) {
-    stones[i] = (render_stone){.cell_size = (float)model->cell_size,
-                               .hash = scree_world_hash(f->field, &ids[i]),
-                               .asset = instances[i].asset,
-                               .tile = (uint8_t)scree_field_tile_code(f->field, ids[i].cube),
-                               .source = (uint16_t)f->pack->source,
-                               .group = (uint16_t)index};
-    memcpy(stones[i].position, instances[i].position, sizeof stones[i].position);
-  }
-  forget_stones(f);
-  f->instances = instances;
-  f->ids = ids;
-  f->stones = stones;
-  f->count = (uint32_t)count;
+  f->count = (uint32_t)f->rocks.count;
   colour_stones(s, index, f);
   return SCREE_OK;
 }
 
+/* Where a field can have rocks; false when it is not open. */
+static bool field_box(const stage* s, uint32_t index, double min[3], double max[3]) {
+  const scree_support* support = scene_world_support(s->world, index);
+  if (support == NULL) return false;
+  scree_support_bounds(support, min, max);
+  for (int a = 0; a < 3; ++a) {
+    min[a] -= scene_world_reach(s->world, index);
+    max[a] += scene_world_reach(s->world, index);
+  }
+  return true;
+}
+
+static bool boxes_meet(const double a_min[3], const double a_max[3], const double b_min[3], const double b_max[3]) {
+  for (int a = 0; a < 3; ++a)
+    if (a_min[a] > b_max[a] || b_min[a] > a_max[a]) return false;
+  return true;
+}
+
 scree_result stage_update_field(stage* s, uint32_t index, uint32_t changed, scree_error* error) {
   staged_field* f = &s->fields[index];
-  const scene_field* model = &s->desc.scene->fields[index];
   const double start = timer_seconds();
-  staged_field made = *f; /* takes the place of *f when all is well */
-  scree_result result = SCREE_OK;
-  bool new_field = (changed & STAGE_PACK) != 0 || f->field == NULL,
-       new_support = (changed & STAGE_SUPPORT) != 0 || f->support == NULL;
-  if (new_field) {
-    made.pack = NULL;
-    made.field = NULL;
-    result = open_pack(s, index, &made.pack, error);
-    if (result == SCREE_OK) {
-      scree_field_desc desc = {.pack = made.pack->pack, .seed = model->seed, .cell_size = model->cell_size};
-      memcpy(desc.origin, model->origin, sizeof desc.origin);
-      result = scree_field_create(&desc, NULL, &made.field);
-      if (result != SCREE_OK)
-        fail_with(error, result, "%s: fields[%u]: %s: %s", s->desc.paths.scene, (unsigned)index, made.pack->path,
-                  scree_result_string(result));
-    }
-  }
-  if (result == SCREE_OK && new_support) {
-    made.support = NULL;
-    result = scene_support_create(s->desc.scene, index, &s->desc.paths, s->files, &s->desc.jobs, &made.support, error);
-  }
-  if (result == SCREE_OK && (new_field || new_support)) {
-    made.instances = NULL;
-    made.ids = NULL;
-    made.stones = NULL;
-    result = query(s, index, &made, error);
-  } else if (result == SCREE_OK) {
-    colour_stones(s, index, &made);
-  }
-  made.seconds = timer_seconds() - start;
-  if (result != SCREE_OK) {
-    if (new_field) {
-      scree_field_destroy(made.field);
-      close_pack(s, made.pack);
-    }
-    if (new_support && made.support != f->support) scree_support_destroy(made.support);
-    return result;
-  }
-  if (new_field || new_support) {
-    forget_stones(f);
-    if (new_support) scree_support_destroy(f->support);
-    if (new_field) scree_field_destroy(f->field);
-    opened_pack* before = new_field ? f->pack : NULL;
-    *f = made;
-    if (before != NULL) {
-      /* The renderer must not hold stones of a source that goes. */
-      if (before->users == 1) stage_show(s);
-      close_pack(s, before);
-    }
+  /* Boxes of what changes: the field before and after, then each later field that meets one of these. */
+  double min[SCENE_FIELDS_MAX + 2][3], max[SCENE_FIELDS_MAX + 2][3];
+  uint32_t boxes = field_box(s, index, min[0], max[0]) ? 1 : 0;
+  scree_result result = scene_world_update(s->world, index, changed, error);
+  if (result != SCREE_OK) return result;
+  if ((changed & ~SCENE_CHANGED_PALETTE) == 0) {
+    colour_stones(s, index, f);
   } else {
-    *f = made;
+    if ((changed & SCENE_CHANGED_PACK) != 0) f->count = 0; /* their pack may be gone */
+    boxes += field_box(s, index, min[boxes], max[boxes]) ? 1 : 0;
+    result = query(s, index, error);
+    for (uint32_t later = index + 1; later < s->field_count && result == SCREE_OK; ++later) {
+      if (!field_box(s, later, min[boxes], max[boxes])) continue;
+      uint32_t met = 0;
+      while (met < boxes && !boxes_meet(min[met], max[met], min[boxes], max[boxes])) ++met;
+      if (met == boxes) continue;
+      ++boxes;
+      result = query(s, later, error);
+    }
   }
-  return SCREE_OK;
+  f->seconds = timer_seconds() - start;
+  return result;
 }
 
 scree_result stage_update_all(stage* s, scree_error* error) {
-  scree_result first = SCREE_OK;
   render_set_stones(s->desc.renderer, NULL, 0);
-  for (uint32_t i = 0; i < SCENE_FIELDS_MAX; ++i) forget_field(s, &s->fields[i]);
+  for (uint32_t i = 0; i < SCENE_FIELDS_MAX; ++i) forget_field(&s->fields[i]);
   s->field_count = s->desc.scene->field_count;
+  scree_result first = scene_world_update_all(s->world, error);
   for (uint32_t i = 0; i < s->field_count; ++i) {
+    if (scene_world_layer(s->world, i) == UINT32_MAX) continue;
+    const double start = timer_seconds();
     scree_error own = {""};
-    scree_result result = stage_update_field(s, i, STAGE_EVERYTHING, &own);
+    scree_result result = query(s, i, &own);
+    s->fields[i].seconds = timer_seconds() - start;
     if (result == SCREE_OK || first != SCREE_OK) continue;
     first = result;
     *error = own;
@@ -264,7 +183,7 @@ scree_result stage_update_ground(stage* s, scree_error* error) {
   const scene_ground* ground = &s->desc.scene->ground;
   if (ground->kind != SCENE_GROUND_TERRAIN) return render_set_terrain(s->desc.renderer, NULL, NULL, 0, NULL, 0);
   terrain_mesh mesh;
-  scree_result result = terrain_mesh_create(ground, &s->desc.paths, s->files, &mesh, error);
+  scree_result result = terrain_mesh_create(ground, &s->desc.paths, scene_world_files(s->world), &mesh, error);
   if (result != SCREE_OK) return result;
   for (uint32_t i = 0; i < mesh.vertex_count; ++i)
     for (int a = 0; a < 3; ++a) mesh.positions[3 * i + a] += (float)(ground->position[a] - s->origin[a]);
@@ -307,10 +226,15 @@ scree_result stage_create(const stage_desc* desc, stage** out, scree_error* erro
   stage* s = calloc(1, sizeof *s);
   if (s == NULL) return fail_with(error, SCREE_ERROR_OUT_OF_MEMORY, "out of memory");
   s->desc = *desc;
-  s->files = scene_files_create();
   choose_origin(s);
-  scree_result result =
-      s->files == NULL ? fail_with(error, SCREE_ERROR_OUT_OF_MEMORY, "out of memory") : stage_update_all(s, error);
+  const scene_world_desc wanted = {.scene = desc->scene,
+                                   .paths = desc->paths,
+                                   .jobs = desc->jobs,
+                                   .pack_opened = pack_opened,
+                                   .pack_closing = pack_closing,
+                                   .user = s};
+  scree_result result = scene_world_create(&wanted, &s->world, error);
+  if (result == SCREE_OK) result = stage_update_all(s, error);
   if (result == SCREE_OK) result = stage_update_ground(s, error);
   if (result == SCREE_OK) {
     result = stage_show(s);
@@ -327,8 +251,8 @@ scree_result stage_create(const stage_desc* desc, stage** out, scree_error* erro
 void stage_destroy(stage* s) {
   if (s == NULL) return;
   render_set_stones(s->desc.renderer, NULL, 0);
-  for (uint32_t i = 0; i < SCENE_FIELDS_MAX; ++i) forget_field(s, &s->fields[i]);
-  scene_files_destroy(s->files);
+  for (uint32_t i = 0; i < SCENE_FIELDS_MAX; ++i) forget_field(&s->fields[i]);
+  scene_world_destroy(s->world);
   free(s);
 }
 
@@ -339,7 +263,7 @@ void stage_origin(const stage* s, double origin[3]) {
 }
 
 scene_files* stage_files(stage* s) {
-  return s->files;
+  return scene_world_files(s->world);
 }
 
 void stage_camera(const stage* s, const double eye[3], const double target[3], double field_of_view, camera* out) {
@@ -353,9 +277,10 @@ void stage_camera(const stage* s, const double eye[3], const double target[3], d
 }
 
 bool stage_field_bounds(const stage* s, uint32_t index, float min[3], float max[3]) {
-  if (index >= s->field_count || s->fields[index].support == NULL) return false;
+  const scree_support* support = scene_world_support(s->world, index);
+  if (support == NULL) return false;
   double low[3], high[3];
-  scree_support_bounds(s->fields[index].support, low, high);
+  scree_support_bounds(support, low, high);
   for (int a = 0; a < 3; ++a) {
     min[a] = (float)(low[a] - s->origin[a]);
     max[a] = (float)(high[a] - s->origin[a]);

@@ -3,11 +3,9 @@
 #ifndef STAGE_H
 #define STAGE_H
 
-#include <scree/field.h>
-
 #include "camera.h"
 #include "render.h"
-#include "scene_support.h"
+#include "scene_world.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -17,26 +15,20 @@ extern "C" {
 
 typedef struct stage stage;
 
-/* What of a field has changed. */
-enum {
-  STAGE_PACK = 1u << 0,    /* pack, seed, cell size or origin */
-  STAGE_SUPPORT = 1u << 1, /* any node, threshold or shell */
-  STAGE_PALETTE = 1u << 2, /* colours */
-  STAGE_EVERYTHING = 7u
-};
-
 typedef struct stage_desc {
   render* renderer;         /* must outlive the stage */
   const scene_model* scene; /* likewise; read on every call */
   scene_paths paths;        /* strings likewise */
   scree_jobs jobs;
+  uint32_t flags; /* SCREE_SCENE_...; pictures want SCREE_SCENE_VISIBLE */
 } stage_desc;
 
 /* Opens and queries everything. Returns SCREE_OK or an error with one line for people. */
 scree_result stage_create(const stage_desc* desc, stage** out, scree_error* error);
 void stage_destroy(stage* s);
 
-/* Brings field `index` up to date with the scene. On failure its last good stones stay. */
+/* Brings field `index` up to date with the scene, changed: SCENE_CHANGED_..., and the later fields that it may meet, whose stones
+ * make way for its own. On failure its last good stones stay. */
 scree_result stage_update_field(stage* s, uint32_t index, uint32_t changed, scree_error* error);
 
 /* After fields were added or removed: forgets all of them and queries anew. The first field that fails gives the error; the others
@@ -57,8 +49,9 @@ bool stage_field_bounds(const stage* s, uint32_t index, float min[3], float max[
 /* Ball round all supports; false when there are none. */
 bool stage_ball(const stage* s, float centre[3], float* radius);
 
+/* Stones that are shown: those that nobody can see are left out. */
 uint32_t stage_stone_count(const stage* s, uint32_t index);
-/* Seconds that the last update of a field took. */
+/* Seconds that the last update of a field took, with those of later fields. */
 double stage_update_seconds(const stage* s, uint32_t index);
 
 /* The files that supports were read from, for those who draw them. */

@@ -18,7 +18,6 @@
 
 #define SAMPLES_STILL 48  /* of a picture that does not move */
 #define DECODE_MOVING 192 /* meshes a frame while something moves */
-#define QUERY_QUICK 0.03  /* seconds: a query that is done in no more runs in every frame of a drag */
 #define ARROW_PIXELS 9.0  /* how near the pointer must be to an arrow */
 #define COARSEST 4        /* smallest share of the window's pixels, one way, that a moving picture is drawn at */
 
@@ -38,7 +37,6 @@ typedef struct viewer {
   char message[640];
   uint32_t stone_counts[SCENE_FIELDS_MAX];
   double pointer[2];             /* window units, of the last event */
-  double query_next;             /* time before which a slow field is not queried again while it is dragged */
   double moved_at;               /* time of the last change of the picture */
   double sample_seconds;         /* of the last sample at full size */
   uint32_t coarseness;           /* 1 = every pixel, while moving */
@@ -161,12 +159,10 @@ static void count_stones(viewer* v) {
   for (uint32_t f = 0; f < v->scene->field_count; ++f) v->stone_counts[f] = stage_stone_count(v->stage, f);
 }
 
-/* Queries what has changed. While something is being dragged, a field whose query is slow waits for its turn: dragging goes on in
- * between, and the last position is always queried. */
+/* Queries what has changed. */
 static void keep_up(viewer* v) {
   scree_error error = {""};
   bool shown = false;
-  const bool busy = v->edit.drag != EDIT_DRAG_NONE || panel_is_busy(v->panel);
   if (v->edit.changed_fields) {
     if (stage_update_all(v->stage, &error) != SCREE_OK) say(v, true, error.message);
     memset(v->edit.changed, 0, sizeof v->edit.changed);
@@ -179,16 +175,14 @@ static void keep_up(viewer* v) {
     v->edit.changed_ground = false;
   }
   for (uint32_t f = 0; f < v->scene->field_count; ++f) {
-    if (v->edit.changed[f] == 0 || (busy && timer_seconds() < v->query_next)) continue;
+    if (v->edit.changed[f] == 0) continue;
     scree_result result = stage_update_field(v->stage, f, v->edit.changed[f], &error);
     if (result == SCREE_OK)
       v->message[0] = 0;
     else
       say(v, true, error.message);
     v->edit.changed[f] = 0;
-    double seconds = stage_update_seconds(v->stage, f);
-    v->view.query_seconds = seconds;
-    v->query_next = timer_seconds() + (seconds > QUERY_QUICK ? fmin(2 * seconds, 1.5) : 0);
+    v->view.query_seconds = stage_update_seconds(v->stage, f);
     log_field(v, "query", f);
     shown = true;
   }
@@ -542,7 +536,8 @@ static int show(viewer* v, const scree_jobs* jobs) {
   const render_desc desc = {.no_indirect = v->options->no_indirect, .jobs = *jobs};
   scree_result result = render_create(&desc, &v->renderer, &error);
   if (result == SCREE_OK) {
-    const stage_desc wanted = {.renderer = v->renderer, .scene = v->scene, .paths = v->options->paths, .jobs = *jobs};
+    const stage_desc wanted = {
+        .renderer = v->renderer, .scene = v->scene, .paths = v->options->paths, .jobs = *jobs, .flags = SCREE_SCENE_VISIBLE};
     result = stage_create(&wanted, &v->stage, &error);
   }
   if (result != SCREE_OK) {

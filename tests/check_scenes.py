@@ -28,6 +28,7 @@ READER_ALONE = [
     "expected a vector that is not zero",
     "expected at most the smallest half extent",
     "expected above + below > 0",
+    "expected a number >= from",
 ]
 
 SPHERE = {"shape": "sphere"}
@@ -48,6 +49,13 @@ HEAD = {
             "threshold": 0.5,
             "shell": False,
             "palette": {"colours": ["#000000", "#ffffff"], "variation": 0.5},
+            "key": 65535,
+            "density": 0.5,
+            "filters": [
+                {"filter": "mask", "file": "m.png", "spacing": 1, "crop": [1, 2, 3, 4], "position": [1, 2, 3], "inverted": True},
+                {"filter": "slope", "from": 0.5, "to": 80, "fade": 3, "position": [0, 0, 0], "inverted": False, **MAP},
+                {"filter": "altitude", "from": -1, "to": 400, "fade": 1, "inverted": True},
+            ],
             "support": SPHERE,
         }
     ],

@@ -68,7 +68,7 @@ static void frames_nest_as_the_support_does(void** state) {
   scree_support* support;
   scree_error error;
   const scene_paths paths = {.scene = "test"};
-  assert_int_equal(scene_support_create(&b.scene, 0, &paths, NULL, NULL, &support, &error), SCREE_OK);
+  assert_int_equal(scene_support_create(&b.scene, 0, &paths, NULL, NULL, NULL, &support, &error), SCREE_OK);
   double origin[3];
   memcpy(origin, root_of(&b, 0)->position, sizeof origin);
   float x = (float)(there[0] - origin[0]), y = (float)(there[1] - origin[1]), z = (float)(there[2] - origin[2]), distance;
@@ -135,7 +135,7 @@ static void dragged_node_follows_the_pointer(void** state) {
       wanted[a] = goal[a] - grabbed[a];
     }
     assert_near(moved, wanted, 1e-6);
-    assert_int_equal(b.edit.changed[0], STAGE_SUPPORT);
+    assert_int_equal(b.edit.changed[0], SCENE_CHANGED_SUPPORT);
     assert_int_equal(b.edit.changed[1], 0);
     assert_true(b.edit.unsaved);
     edit_drag_end(&b.edit);
@@ -213,7 +213,7 @@ static void added_support_stands_where_it_was_put(void** state) {
       scree_support* support;
       scree_error error = {""};
       const scene_paths paths = {.scene = "test"};
-      if (scene_support_create(&b.scene, field, &paths, NULL, NULL, &support, &error) != SCREE_OK) fail_msg("%s", error.message);
+      if (scene_support_create(&b.scene, field, &paths, NULL, NULL, NULL, &support, &error) != SCREE_OK) fail_msg("%s", error.message);
       scree_support_destroy(support);
       bench_close(&b);
     }
@@ -273,7 +273,7 @@ static void wrapped_support_stays_in_place(void** state) {
       assert_near(after.translation, before.translation, 1e-9);
       assert_float_equal(after.scale, before.scale, 1e-12);
       assert_int_equal(b.edit.node->kind, kinds[i]);
-      assert_int_equal(b.edit.changed[b.edit.field], STAGE_SUPPORT);
+      assert_int_equal(b.edit.changed[b.edit.field], SCENE_CHANGED_SUPPORT);
       bench_close(&b);
     }
   bench b;

@@ -104,7 +104,7 @@ static scree_result copy_tree(scree_error* error) {
 static scree_result compile_support(scree_error* error) {
   scree_support* support;
   scene_paths paths = {.scene = "s.json"};
-  scree_result result = scene_support_create(&loaded, 0, &paths, NULL, NULL, &support, error);
+  scree_result result = scene_support_create(&loaded, 0, &paths, NULL, NULL, NULL, &support, error);
   scree_support_destroy(support);
   return result;
 }

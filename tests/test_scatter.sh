@@ -85,6 +85,8 @@ refused '-o OUT.glb is missing' scene.json
 refused 'unknown option --fast' scene.json --fast
 refused 'a value is missing after --lod' scene.json "${where[@]}" --lod
 refused '--lod: expected a whole number in 0..15, got "x"' scene.json "${where[@]}" --lod x
+refused '--lod 2: the pack "boulders" has the levels 0..1' "$ROOT/content/scenes/boulder_pile.json" "${where[@]}" --lod 2
+refused '--rocks: expected visible or all' scene.json "${where[@]}" --rocks some
 refused '--format: expected instanced or flat' scene.json "${where[@]}" --format round
 refused 'unexpected argument b.json' a.json b.json "${where[@]}"
 refused 'gone.json: cannot open: No such file or directory' gone.json "${where[@]}"
@@ -111,6 +113,9 @@ grep -qi 'edge' bad.err || fail "a mesh with a border: no edge is named: $(<bad.
 head -c 200 data/bunny00.off >cut.off
 scene boulders 0.5 '{"shape": "union", "children": [{"shape": "sphere"}, {"shape": "mesh", "file": "cut.off"}]}'
 refused 'scene.json: fields[0].support.children[1]: cut.off: line ' scene.json "${where[@]}"
+scene boulders 0.5 "$ball"
+scene boulders 0.01 '{"shape": "sphere", "radius": 1e5}'
+refused 'fields[0]: it has more than 100000000 rocks; enlarge cell_size' scene.json "${where[@]}"
 scene boulders 0.5 "$ball"
 refused 'bad/no/out.glb: cannot write: No such file or directory' scene.json -o bad/no/out.glb --packs packs
 

@@ -26,6 +26,11 @@ static const char everything[] =
     "\"fields\": [{\"name\": \"f\", \"pack\": \"boulders\", \"seed\": 9007199254740992, \"cell_size\": 0.6, \"origin\": [0.1, 0, "
     "0],"
     " \"threshold\": 0.25, \"shell\": false, \"palette\": {\"colours\": [\"#010203\", \"#aabbcc\"], \"variation\": 0.5},"
+    " \"key\": 1, \"density\": 0.875, \"filters\": ["
+    "  {\"filter\": \"mask\", \"file\": \"m.png\", \"spacing\": 0.5, \"crop\": [1, 2, 3, 4], \"position\": [5, 6, 7], "
+    "\"inverted\": true},"
+    "  {\"filter\": \"slope\", \"file\": \"t.png\", \"low\": -3, \"high\": 30, \"from\": 20, \"to\": 45, \"fade\": 5},"
+    "  {\"filter\": \"altitude\", \"from\": -10, \"to\": 1e6, \"fade\": 2.5}],"
     " \"support\": {\"shape\": \"difference\", \"name\": \"root\", \"position\": [1e6, 0, 0], \"children\": ["
     "  {\"shape\": \"smooth_union\", \"blend\": 0.75, \"rotation\": [0, 45, -30], \"children\": ["
     "   {\"shape\": \"sphere\", \"radius\": 2}, {\"shape\": \"box\", \"half\": [1, 2, 3], \"rounding\": 0.5},"
@@ -43,7 +48,7 @@ static const char everything[] =
     "   \"child\": {\"shape\": \"intersection\", \"children\": [{\"shape\": \"half_space\"}, {\"shape\": \"pattern\"}]}},"
     "  {\"shape\": \"union\", \"children\": [{\"shape\": \"sphere\"}]},"
     "  {\"shape\": \"intersection\", \"children\": [{\"shape\": \"box\"}]}]}},"
-    " {\"pack\": \"x.scree\", \"support\": {\"shape\": \"cone\"}}]}";
+    " {\"pack\": \"x.scree\", \"key\": 0, \"support\": {\"shape\": \"cone\"}}]}";
 
 static scree_result parse(const char* text, scene_model* scene, scree_error* error) {
   return scene_parse(text, strlen(text), "s.json", scene, error);
@@ -66,6 +71,14 @@ static void every_key_is_read(void** state) {
   const scene_field* field = &scene.fields[0];
   assert_true(field->seed == UINT64_C(9007199254740992) && field->cell_size == 0.6 && field->threshold == 0.25 && !field->shell);
   assert_true(field->palette.colour_count == 2 && field->palette.variation == 0.5);
+  assert_true(field->key == 1 && field->density == 0.875 && field->filter_count == 3);
+  assert_true(scene_field_key(&scene, 0) == 1 && scene_field_key(&scene, 1) == 0);
+  const scene_filter* filters = field->filters;
+  assert_true(filters[0].kind == SCREE_FILTER_MASK && filters[0].inverted && filters[0].map.crop[3] == 4);
+  assert_true(filters[0].position[2] == 7 && filters[0].map.low == 0 && filters[0].map.high == 1);
+  assert_string_equal(filters[1].map.file, "t.png");
+  assert_true(filters[1].kind == SCREE_FILTER_SLOPE && !filters[1].inverted && filters[1].map.low == -3 && filters[1].to == 45);
+  assert_true(filters[2].kind == SCREE_FILTER_ALTITUDE && filters[2].from == -10 && filters[2].fade == 2.5);
   assert_int_equal(field->support->kind, SCREE_SHAPE_DIFFERENCE);
   assert_int_equal(field->support->child_count, 12);
   const scene_node* smooth = field->support->children[0];
@@ -214,6 +227,14 @@ static void random_scenes_survive_writing_and_reading(void** state) {
       scene_field* field = scene_add_field(&scene);
       field->cell_size = random_number(&seed, 0.01, 3);
       field->origin[0] = random_number(&seed, -1e7, 1e7);
+      field->density = random_number(&seed, 0.01, 1);
+      if (random_number(&seed, 0, 2) < 1) field->key = (int32_t)(1000 + i);
+      for (uint32_t k = (uint32_t)random_number(&seed, 0, 4); k > 0; --k) {
+        scene_filter* filter = scene_add_filter(field, (scree_filter_kind)random_number(&seed, 0, 3));
+        strcpy(filter->map.file, filter->kind == SCREE_FILTER_ALTITUDE ? "" : "filter.png");
+        filter->inverted = random_number(&seed, 0, 2) < 1;
+        if (filter->kind != SCREE_FILTER_MASK) filter->to = filter->from + random_number(&seed, 0, 80);
+      }
       field->support = random_node(&seed, 0);
     }
     char* first = scene_write(&scene, NULL);
@@ -263,6 +284,23 @@ static void detached_child_leaves_its_parent(void** state) {
   assert_ptr_equal(group->children[1], children[2]);
   scene_node_destroy(children[1]);
   scene_node_destroy(group);
+}
+
+static void removed_filter_leaves_the_others(void** state) {
+  (void)state;
+  scene_model scene;
+  scene_init(&scene);
+  scene_field* field = scene_add_field(&scene);
+  for (uint32_t i = 0; i < SCENE_FILTERS_MAX; ++i) {
+    scene_filter* filter = scene_add_filter(field, SCREE_FILTER_ALTITUDE);
+    filter->from = filter->to = i;
+  }
+  assert_null(scene_add_filter(field, SCREE_FILTER_MASK));
+  scene_remove_filter(field, 1);
+  scene_remove_filter(field, 99);
+  assert_int_equal(field->filter_count, SCENE_FILTERS_MAX - 1);
+  assert_true(field->filters[0].from == 0 && field->filters[1].from == 2);
+  scene_destroy(&scene);
 }
 
 static void removed_field_leaves_the_others(void** state) {
@@ -337,6 +375,23 @@ static void wrong_scene_is_refused_by_name_and_key(void** state) {
       {WITH_FIELD("\"cell_size\": 1e7"), "s.json: fields[0].cell_size: expected a number > 0 and <= 1e+06, got 10000000"},
       {WITH_FIELD("\"threshold\": 1"), "s.json: fields[0].threshold: expected a number in 0..1, limits excluded, got 1"},
       {WITH_FIELD("\"shell\": 0"), "s.json: fields[0].shell: expected true or false, got 0"},
+      {WITH_FIELD("\"density\": 0"), "s.json: fields[0].density: expected a number > 0 and <= 1, got 0"},
+      {WITH_FIELD("\"key\": 65536"), "s.json: fields[0].key: expected a whole number in 0..65535, got 65536"},
+      {"{\"fields\": [{\"pack\": \"b\", \"support\": {\"shape\": \"box\"}, \"key\": 1}, {\"pack\": \"b\", \"support\": {\"shape\": "
+       "\"box\"}}]}",
+       "s.json: fields[1].key: fields[0] has the key 1 already"},
+      {WITH_FIELD("\"filters\": {}"), "s.json: fields[0].filters: expected an array of at most 16 filters, got an object"},
+      {WITH_FIELD("\"filters\": [1]"), "s.json: fields[0].filters[0]: expected an object, got 1"},
+      {WITH_FIELD("\"filters\": [{}]"), "s.json: fields[0].filters[0].filter: key is missing"},
+      {WITH_FIELD("\"filters\": [{\"filter\": \"altitude\"}, {\"filter\": \"rain\"}]"),
+       "s.json: fields[0].filters[1].filter: expected mask, slope or altitude, got \"rain\""},
+      {WITH_FIELD("\"filters\": [{\"filter\": \"mask\"}]"), "s.json: fields[0].filters[0].file: key is missing"},
+      {WITH_FIELD("\"filters\": [{\"filter\": \"mask\", \"file\": \"a\", \"from\": 1}]"),
+       "s.json: fields[0].filters[0].from: unknown key"},
+      {WITH_FIELD("\"filters\": [{\"filter\": \"slope\", \"file\": \"a\", \"to\": 91}]"),
+       "s.json: fields[0].filters[0].to: expected a number in 0..90, got 91"},
+      {WITH_FIELD("\"filters\": [{\"filter\": \"altitude\", \"from\": 2, \"to\": 1}]"),
+       "s.json: fields[0].filters[0].to: expected a number >= from (2), got 1"},
       {WITH_FIELD("\"palette\": {\"colours\": []}"),
        "s.json: fields[0].palette.colours: expected an array of 1..8 colours, got an array of 0"},
       {WITH_FIELD("\"palette\": {\"colours\": [\"#000000\", 1]}"),
@@ -513,6 +568,7 @@ int main(void) {
       cmocka_unit_test(points_come_and_go_within_their_limits),
       cmocka_unit_test(copied_node_is_equal_and_independent),
       cmocka_unit_test(detached_child_leaves_its_parent),
+      cmocka_unit_test(removed_filter_leaves_the_others),
       cmocka_unit_test(removed_field_leaves_the_others),
       cmocka_unit_test(wrong_scene_is_refused_by_name_and_key),
       cmocka_unit_test(deep_nesting_is_refused),

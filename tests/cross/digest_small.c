@@ -4,7 +4,6 @@
 #include <scree/bake.h>
 #include <stdio.h>
 
-#include "digest_edits.h"
 #include "digest_queries.h"
 #include "lattice.h"
 
@@ -55,7 +54,5 @@ int main(void) {
   }
   printf("pack %016" PRIx64 "\n", pack);
   printf("queries %016" PRIx64 "\n", digest_queries());
-  printf("edits %016" PRIx64 "\n", digest_edits());
-  printf("convex %016" PRIx64 "\n", digest_convex());
   return 0;
 }
