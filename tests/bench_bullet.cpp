@@ -1,10 +1,11 @@
 /* scree-bench-pile [NAME] [PACK.scree]: our piles in the hands of a rigid-body engine (Bullet), one JSON object a line.
  *
- * pile.bullet_drift_*    A cone of rocks as a query delivers it, all of them, stands on a plane and is simulated for two seconds:
- * how far the rocks' centres of mass move, in diameters of the rock (of the ball of the same volume). pile.bullet_overlap    The
- * deepest that two hulls reach into each other before anything has moved, cells. pile.bullet_ratio      As many hulls are dropped
- * from above onto the same plane, between four walls, until they lie still: Bullet's seconds over those of our query for the cone.
- * pile.bullet_dropped_*  The drift of that heap over the next two seconds: what the engine itself leaves of a pile at rest.
+ * - pile.bullet_drift_*: a cone of rocks as a query delivers it, all of them, stands on a plane and is simulated for two seconds;
+ *   how far the rocks' centres of mass move, in diameters of the rock (of the ball of the same volume).
+ * - pile.bullet_overlap: the deepest that two hulls reach into each other before anything has moved, cells.
+ * - pile.bullet_ratio: as many hulls are dropped from above onto the same plane, between four walls, until they lie still; Bullet's
+ *   seconds over those of our query for the cone.
+ * - pile.bullet_dropped_*: the drift of that heap over the next two seconds, which is what the engine leaves of a pile at rest.
  *
  * Hulls come from the pack, masses from the rocks' volumes, inertia from the hulls. Rocks of the cone that reach below its base
  * stand in the ground: they do not move. Bullet grows shapes by a margin; the hulls are shrunk by as much first, so that what it
