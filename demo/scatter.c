@@ -69,8 +69,8 @@ static void end_progress(const progress* p) {
   if (p->is_shown && p->last >= 0) fprintf(stderr, "\r%*s\r", 48, "");
 }
 
-/* More would not fit into the 4 GiB of a .glb. */
-#define ROCKS_MOST 100000000u
+/* More are a mistake of scale: the file would be of a gigabyte and its readers would choke. */
+#define ROCKS_MOST 20000000u
 
 typedef struct scatter {
   const options* options;

@@ -115,7 +115,7 @@ scene boulders 0.5 '{"shape": "union", "children": [{"shape": "sphere"}, {"shape
 refused 'scene.json: fields[0].support.children[1]: cut.off: line ' scene.json "${where[@]}"
 scene boulders 0.5 "$ball"
 scene boulders 0.01 '{"shape": "sphere", "radius": 1e5}'
-refused 'fields[0]: it has more than 100000000 rocks; enlarge cell_size' scene.json "${where[@]}"
+refused 'fields[0]: it has more than 20000000 rocks; enlarge cell_size' scene.json "${where[@]}"
 scene boulders 0.5 "$ball"
 refused 'bad/no/out.glb: cannot write: No such file or directory' scene.json -o bad/no/out.glb --packs packs
 
