@@ -4,6 +4,7 @@
 #include <scree/bake.h>
 #include <stdio.h>
 
+#include "digest_edits.h"
 #include "digest_queries.h"
 #include "lattice.h"
 
@@ -54,5 +55,7 @@ int main(void) {
   }
   printf("pack %016" PRIx64 "\n", pack);
   printf("queries %016" PRIx64 "\n", digest_queries());
+  printf("edits %016" PRIx64 "\n", digest_edits());
+  printf("convex %016" PRIx64 "\n", digest_convex());
   return 0;
 }

@@ -1,0 +1,12 @@
+/* Digests of saved edits, and of what is decided about convex hulls. */
+#ifndef DIGEST_EDITS_H
+#define DIGEST_EDITS_H
+
+#include <stdint.h>
+
+/* Zero when something fails. */
+uint64_t digest_edits(void);
+
+uint64_t digest_convex(void);
+
+#endif
