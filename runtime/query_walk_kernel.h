@@ -87,11 +87,24 @@ static void bound_leaf(walk* w, const support_op* op, const parts* p, float* low
     for (int i = 0; i < PARTS; i += SIMD_WIDTH) v_store(slopes + i, v_set(op->lipschitz));
   }
   for (int i = 0; i < PARTS; i += SIMD_WIDTH) {
-    vfloat reach = v_load(p->radius + i) * v_load(slopes + i) * v_set(1.00001f) + v_set(run->margin);
+    vfloat slope = v_load(slopes + i);
+    vfloat reach = (v_load(p->radius + i) * v_set(1.00001f) + v_set(run->margin)) * slope + v_set(op->doubt);
     vfloat l = v_load(value + i) - reach, h = v_load(value + i) + reach;
     vint above = l > v_set(top), below = h < v_set(bottom);
     v_store(low + i, v_select(above, infinite, v_select(below, -infinite, l)));
     v_store(high + i, v_select(above, infinite, v_select(below, -infinite, h)));
+  }
+}
+
+static void bound_noise(walk* w, const support_op* op, const parts* p, float* low, float* high) {
+  const float margin = w->run->margin * (op->lipschitz > 1 ? op->lipschitz : 1) + op->noise.amplitude * 1e-5f;
+  for (int i = 0; i < PARTS; i += SIMD_WIDTH) {
+    vpoint middle = {v_load(p->x + i), v_load(p->y + i), v_load(p->z + i)};
+    vfloat least, most;
+    noise_bounds(op, middle, v_load(p->radius + i) * v_set(1.00001f), margin, &least, &most);
+    /* The sum is rounded; where the child is decided it stays infinite. */
+    v_store(low + i, v_load(low + i) + least - v_set(w->run->margin));
+    v_store(high + i, v_load(high + i) + most + v_set(w->run->margin));
   }
 }
 
@@ -140,9 +153,11 @@ static void bound_parts(walk* w, program_view program, parts* p, uint32_t lanes)
   p->prunable = 0;
   for (uint32_t i = 0; i < program.length; ++i) {
     const support_op* op = &w->ops[program.ops[i]];
-    if (op->kind < OP_UNION) {
+    if (op_is_leaf(op->kind)) {
       bound_leaf(w, op, p, w->low[top], w->high[top]);
       ++top;
+    } else if (op->kind == OP_NOISE) {
+      bound_noise(w, op, p, w->low[top - 1], w->high[top - 1]);
     } else if (op->kind == OP_NEGATE) {
       for (int k = 0; k < PARTS; k += SIMD_WIDTH) {
         vfloat low = -v_load(w->high[top - 1] + k), high = -v_load(w->low[top - 1] + k);
@@ -175,10 +190,10 @@ static program_view prune(walk* w, program_view program, uint32_t part) {
   for (uint32_t i = 0; i < program.length; ++i) {
     uint16_t index = program.ops[i];
     const support_op* op = &w->ops[index];
-    if (op->kind < OP_UNION) {
+    if (op_is_leaf(op->kind)) {
       starts[top++] = length;
       out[length++] = index;
-    } else if (op->kind == OP_NEGATE) {
+    } else if (!op_is_pair(op->kind)) {
       out[length++] = index;
     } else {
       --top;

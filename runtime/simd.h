@@ -104,6 +104,18 @@ static inline vfloat v_from_int(vint v) {
   return __builtin_convertvector(v, vfloat);
 }
 
+/* The largest whole number that is not larger; of any float. Never -0. */
+static inline vfloat v_floor(vfloat v) {
+#if defined(__AVX2__)
+  return (vfloat)_mm256_floor_ps((__m256)v) + v_set(0);
+#else
+  const vfloat whole = v_set(8388608); /* from here on floats have no fractions */
+  vint small = v_abs(v) < whole;
+  vfloat t = v_from_int(v_truncate(v_select(small, v, v_set(0))));
+  return v_select(small, t - (vfloat)((vint)v_set(1) & (t > v)), v);
+#endif
+}
+
 /* Bit i is set where lane i of a comparison is. */
 static inline uint32_t v_bits(vint mask) {
 #if defined(__AVX2__)

@@ -139,6 +139,104 @@ static scree_result check_callback(checker* c, const scree_shape* s) {
   return SCREE_OK;
 }
 
+static scree_result check_ellipsoid(checker* c, const scree_ellipsoid* e) {
+  double smallest = INFINITY, largest = 0;
+  for (int a = 0; a < 3; ++a) {
+    double radius = (double)e->radii[a];
+    TRY(positive(c, "ellipsoid.radii", a, radius));
+    if (radius < smallest) smallest = radius;
+    if (radius > largest) largest = radius;
+  }
+  if (largest > 1000 * smallest) return refuse(c, SCREE_ERROR_RANGE, "ellipsoid.radii", "differ by more than a factor of 1000");
+  return SCREE_OK;
+}
+
+static scree_result count(checker* c, const char* field, uint32_t value, uint32_t low, uint32_t high, const char* expected) {
+  return number(c, field, -1, value, value >= low && value <= high, expected);
+}
+
+static scree_result check_extrusion(checker* c, const scree_extrusion* e) {
+  if (e->points == NULL) return refuse(c, SCREE_ERROR_INVALID_ARGUMENT, "extrusion.points", "is NULL");
+  TRY(count(c, "extrusion.point_count", e->point_count, 3, 1024, "3 to 1024 points"));
+  double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
+  for (uint32_t i = 0; i < 2 * e->point_count; ++i) {
+    double at = (double)e->points[i];
+    TRY(finite(c, "extrusion.points", (int)i, at));
+    if (at < low[i & 1]) low[i & 1] = at;
+    if (at > high[i & 1]) high[i & 1] = at;
+  }
+  if (!(high[0] > low[0] && high[1] > low[1])) return refuse(c, SCREE_ERROR_RANGE, "extrusion.points", "enclose no area");
+  TRY(finite(c, "extrusion.low", -1, (double)e->low));
+  TRY(finite(c, "extrusion.high", -1, (double)e->high));
+  return number(c, "extrusion.high", -1, (double)e->high, e->high > e->low, "more than extrusion.low");
+}
+
+static scree_result check_tube(checker* c, const scree_tube* t) {
+  if (t->points == NULL) return refuse(c, SCREE_ERROR_INVALID_ARGUMENT, "tube.points", "is NULL");
+  if (t->radii == NULL) return refuse(c, SCREE_ERROR_INVALID_ARGUMENT, "tube.radii", "is NULL");
+  TRY(count(c, "tube.point_count", t->point_count, 2, 256, "2 to 256 points"));
+  TRY(count(c, "tube.subdivisions", t->subdivisions, 0, 32, "0 (for 8) to 32"));
+  TRY(number(c, "tube.half_height", -1, (double)t->half_height, t->half_height >= 0, "0 (for a pipe) or more"));
+  for (uint32_t i = 0; i < t->point_count; ++i) {
+    TRY(positive(c, "tube.radii", (int)i, (double)t->radii[i]));
+    for (uint32_t a = 0; a < 3; ++a) TRY(finite(c, "tube.points", (int)(3 * i + a), (double)t->points[3 * i + a]));
+  }
+  for (uint32_t i = 0; i < t->point_count; ++i) {
+    const float *p = t->points + 3 * i, *q = t->points + (i > 0 ? 3 * (i - 1) : 3 * (t->point_count - 1));
+    if (i == 0 && !t->closed) continue;
+    if (p[0] != q[0] || p[1] != q[1] || p[2] != q[2]) continue;
+    say_field(c, "tube.points", (int)(3 * i));
+    scree_rt_text_add(c->error, ": the point is the same as the one before");
+    return SCREE_ERROR_RANGE;
+  }
+  return SCREE_OK;
+}
+
+static scree_result check_blobs(checker* c, const scree_blobs* b) {
+  if (b->centres == NULL) return refuse(c, SCREE_ERROR_INVALID_ARGUMENT, "blobs.centres", "is NULL");
+  if (b->radii == NULL) return refuse(c, SCREE_ERROR_INVALID_ARGUMENT, "blobs.radii", "is NULL");
+  TRY(count(c, "blobs.count", b->count, 1, 256, "1 to 256 balls"));
+  for (uint32_t i = 0; i < b->count; ++i) {
+    for (uint32_t a = 0; a < 3; ++a) TRY(finite(c, "blobs.centres", (int)(3 * i + a), (double)b->centres[3 * i + a]));
+    double radius = (double)b->radii[i];
+    TRY(number(c, "blobs.radii", (int)i, radius, radius >= 1e-6, "a number of at least 1e-6"));
+  }
+  return SCREE_OK;
+}
+
+static scree_result check_pattern(checker* c, const scree_pattern* p) {
+  if ((uint32_t)p->kind > SCREE_PATTERN_WAVES) {
+    say_field(c, "pattern.kind", -1);
+    scree_rt_text_add(c->error, " ");
+    scree_rt_text_add_count(c->error, (uint32_t)p->kind);
+    scree_rt_text_add(c->error, " is not known");
+    return SCREE_ERROR_INVALID_ARGUMENT;
+  }
+  TRY(positive(c, "pattern.spacing", -1, (double)p->spacing));
+  TRY(positive(c, "pattern.radius", -1, (double)p->radius));
+  if (p->kind != SCREE_PATTERN_WAVES) return SCREE_OK;
+  TRY(positive(c, "pattern.wavelength", -1, (double)p->wavelength));
+  double amplitude = (double)p->amplitude;
+  return number(c, "pattern.amplitude", -1, amplitude, amplitude >= 0 && amplitude <= 1000 * (double)p->wavelength,
+                "from 0 to 1000 times pattern.wavelength");
+}
+
+static scree_result check_noise(checker* c, const scree_noise* n, uint32_t shape_count) {
+  if (!(n->child > c->shape && n->child < shape_count)) {
+    say_field(c, "noise.child", -1);
+    scree_rt_text_add(c->error, " is ");
+    scree_rt_text_add_count(c->error, n->child);
+    scree_rt_text_add(c->error, ", expected a later shape of the ");
+    scree_rt_text_add_count(c->error, shape_count);
+    return SCREE_ERROR_INVALID_ARGUMENT;
+  }
+  TRY(positive(c, "noise.amplitude", -1, (double)n->amplitude));
+  TRY(positive(c, "noise.wavelength", -1, (double)n->wavelength));
+  if (n->amplitude > 1000 * n->wavelength)
+    return refuse(c, SCREE_ERROR_RANGE, "noise.amplitude", "is more than 1000 times noise.wavelength");
+  return count(c, "noise.octaves", n->octaves, 0, SUPPORT_MAX_OCTAVES, "0 (for 1) to 8");
+}
+
 static scree_result check_group(checker* c, const scree_shape* s, uint32_t shape_count) {
   if (s->group.children == NULL) return refuse(c, SCREE_ERROR_INVALID_ARGUMENT, "group.children", "is NULL");
   if (s->group.child_count == 0) return refuse(c, SCREE_ERROR_INVALID_ARGUMENT, "group.child_count", "is 0, expected 1 or more");
@@ -160,7 +258,7 @@ static scree_result check_group(checker* c, const scree_shape* s, uint32_t shape
 }
 
 static scree_result check_shape(checker* c, const scree_shape* s, uint32_t shape_count) {
-  bool known = (uint32_t)s->kind <= SCREE_SHAPE_CALLBACK || (s->kind >= SCREE_SHAPE_UNION && s->kind <= SCREE_SHAPE_SMOOTH_UNION);
+  bool known = (uint32_t)s->kind <= SCREE_SHAPE_PATTERN || (s->kind >= SCREE_SHAPE_UNION && s->kind <= SCREE_SHAPE_NOISE);
   if (!known) {
     say_field(c, "kind", -1);
     scree_rt_text_add(c->error, " ");
@@ -193,6 +291,16 @@ static scree_result check_shape(checker* c, const scree_shape* s, uint32_t shape
     case SCREE_SHAPE_HEIGHTFIELD: return check_heightfield(c, s);
     case SCREE_SHAPE_MESH: return check_mesh(c, s);
     case SCREE_SHAPE_CALLBACK: return check_callback(c, s);
+    case SCREE_SHAPE_ELLIPSOID: return check_ellipsoid(c, &s->ellipsoid);
+    case SCREE_SHAPE_HALF_SPACE: return SCREE_OK;
+    case SCREE_SHAPE_TORUS:
+      TRY(positive(c, "torus.radius", -1, (double)s->torus.radius));
+      return positive(c, "torus.tube_radius", -1, (double)s->torus.tube_radius);
+    case SCREE_SHAPE_EXTRUSION: return check_extrusion(c, &s->extrusion);
+    case SCREE_SHAPE_TUBE: return check_tube(c, &s->tube);
+    case SCREE_SHAPE_BLOBS: return check_blobs(c, &s->blobs);
+    case SCREE_SHAPE_PATTERN: return check_pattern(c, &s->pattern);
+    case SCREE_SHAPE_NOISE: return check_noise(c, &s->noise, shape_count);
     default: return check_group(c, s, shape_count);
   }
 }

@@ -4,32 +4,8 @@
 #ifndef SCREE_SUPPORT_KERNEL_H
 #define SCREE_SUPPORT_KERNEL_H
 
-#include "simd.h"
-#include "support_program.h"
-
-typedef struct vpoint {
-  vfloat x, y, z;
-} vpoint;
-
-static inline vfloat dot3(vfloat ax, vfloat ay, vfloat az, const float b[3]) {
-  return ax * v_set(b[0]) + ay * v_set(b[1]) + az * v_set(b[2]);
-}
-
-static inline vfloat length2(vfloat x, vfloat y) {
-  return v_sqrt(x * x + y * y);
-}
-static inline vfloat length3(vfloat x, vfloat y, vfloat z) {
-  return v_sqrt(x * x + y * y + z * z);
-}
-
-static inline vpoint minus(vpoint p, const float c[3]) {
-  return (vpoint){p.x - v_set(c[0]), p.y - v_set(c[1]), p.z - v_set(c[2])};
-}
-
-static inline vpoint into_frame(const op_frame* f, vpoint p) {
-  vpoint q = minus(p, f->centre);
-  return (vpoint){dot3(q.x, q.y, q.z, f->rows[0]), dot3(q.x, q.y, q.z, f->rows[1]), dot3(q.x, q.y, q.z, f->rows[2])};
-}
+#include "support_noise_kernel.h"
+#include "support_shapes_kernel.h"
 
 static inline vfloat distance_sphere(const support_op* op, vpoint p) {
   vpoint q = minus(p, op->sphere.centre);
@@ -50,12 +26,6 @@ static inline vfloat distance_capsule(const support_op* op, vpoint p) {
   const float* ab = op->capsule.ab;
   vfloat t = v_clamp(dot3(q.x, q.y, q.z, ab) * v_set(op->capsule.inverse_length2), v_set(0), v_set(1));
   return length3(q.x - t * v_set(ab[0]), q.y - t * v_set(ab[1]), q.z - t * v_set(ab[2])) - v_set(op->capsule.radius);
-}
-
-/* Distance from an axis and height along it. */
-static inline vfloat off_axis(vpoint q, const float axis[3], vfloat* height) {
-  *height = dot3(q.x, q.y, q.z, axis);
-  return length3(q.x - *height * v_set(axis[0]), q.y - *height * v_set(axis[1]), q.z - *height * v_set(axis[2]));
 }
 
 static inline vfloat distance_cylinder(const support_op* op, vpoint p) {
@@ -202,6 +172,16 @@ static void evaluate_leaf(const support_op* op, const float* x, const float* y, 
     case OP_CONE: EACH(distance_cone(op, p));
     case OP_HEIGHTFIELD: EACH(distance_height(op, p));
     case OP_MESH: EACH(distance_mesh(op, p));
+    case OP_ELLIPSOID: EACH(distance_ellipsoid(op, p));
+    case OP_HALF_SPACE: EACH(distance_half_space(op, p));
+    case OP_TORUS: EACH(distance_torus(op, p));
+    case OP_EXTRUSION: EACH(distance_extrusion(op, p));
+    case OP_PIPE: EACH(distance_pipe(op, p));
+    case OP_BAND: EACH(distance_band(op, p));
+    case OP_BLOBS: EACH(distance_blobs(op, p));
+    case OP_LINES: EACH(distance_lines(op, p));
+    case OP_RINGS: EACH(distance_rings(op, p));
+    case OP_WAVES: EACH(distance_waves(op, p));
     default: distance_callback(op, x, y, z, d, count); break;
   }
 #undef EACH
@@ -223,20 +203,27 @@ static void combine(const support_op* op, float* a, const float* b, uint32_t cou
 #undef EACH
 }
 
+/* The operations on one value. */
+static void change(const support_op* op, const float* x, const float* y, const float* z, float* a, uint32_t count) {
+  for (uint32_t i = 0; i < count; i += SIMD_WIDTH) {
+    vfloat v = v_load(a + i);
+    v_store(a + i, op->kind == OP_NEGATE ? -v : v + noise_at(op, (vpoint){v_load(x + i), v_load(y + i), v_load(z + i)}));
+  }
+}
+
 /* Distances of a program; count as above. `values` is scratch. The result lies in values[0]. */
 static void evaluate_program(const support_op* ops, const uint16_t* program, uint32_t length, const float* x, const float* y,
                              const float* z, float values[SUPPORT_MAX_STACK][SUPPORT_BATCH], uint32_t count) {
   uint32_t top = 0;
   for (uint32_t i = 0; i < length; ++i) {
     const support_op* op = &ops[program[i]];
-    if (op->kind < OP_UNION) {
+    if (op_is_leaf(op->kind)) {
       evaluate_leaf(op, x, y, z, values[top++], count);
-    } else if (op->kind == OP_NEGATE) {
-      float* a = values[top - 1];
-      for (uint32_t k = 0; k < count; k += SIMD_WIDTH) v_store(a + k, -v_load(a + k));
-    } else {
+    } else if (op_is_pair(op->kind)) {
       --top;
       combine(op, values[top - 1], values[top], count);
+    } else {
+      change(op, x, y, z, values[top - 1], count);
     }
   }
 }

@@ -15,8 +15,9 @@
 enum {
   SUPPORT_MAX_OPS = 8192,                      /* of a program, so that uint16_t and fixed scratch on the stack suffice */
   SUPPORT_MAX_NESTING = 32,                    /* groups within groups */
-  SUPPORT_MAX_STACK = SUPPORT_MAX_NESTING + 1, /* values alive at once while a program runs */
-  SUPPORT_BATCH = 64                           /* points evaluated at once, at most */
+  SUPPORT_MAX_STACK = SUPPORT_MAX_NESTING + 2, /* values alive at once while a program runs; a tube is a union by itself */
+  SUPPORT_BATCH = 64,                          /* points evaluated at once, at most */
+  SUPPORT_MAX_OCTAVES = 8
 };
 
 typedef enum op_kind {
@@ -29,12 +30,36 @@ typedef enum op_kind {
   OP_HEIGHTFIELD,
   OP_MESH,
   OP_CALLBACK,
+  OP_ELLIPSOID,
+  OP_HALF_SPACE,
+  OP_TORUS,
+  OP_EXTRUSION,
+  OP_PIPE, /* one straight piece of a tube */
+  OP_BAND,
+  OP_BLOBS,
+  OP_LINES,
+  OP_RINGS,
+  OP_WAVES,
   OP_UNION, /* the first of the operations on two values */
   OP_INTERSECTION,
   OP_DIFFERENCE,
   OP_SMOOTH_UNION,
-  OP_NEGATE /* only in pruned programs: what is left of a difference without its first side */
+  OP_NEGATE, /* the first on one value; only in pruned programs: what is left of a difference without its first side */
+  OP_NOISE
 } op_kind;
+
+static inline bool op_is_leaf(op_kind kind) {
+  return kind < OP_UNION;
+}
+static inline bool op_is_pair(op_kind kind) {
+  return kind >= OP_UNION && kind < OP_NEGATE;
+}
+
+/* Edges of a polygon come in chunks: a box round them, then each edge. */
+enum { EXTRUSION_CHUNK = 8, EXTRUSION_BOX = 5, EXTRUSION_EDGE = 6 };
+
+/* Balls of a sum of blobs: centre, 1 / R^2 and R. */
+enum { BLOB_FLOATS = 5 };
 
 /* From the root's space to a leaf's own: rows * (p - centre). Distances come back times `scale`. */
 typedef struct op_frame {
@@ -45,14 +70,16 @@ typedef struct op_frame {
 
 typedef struct support_op {
   op_kind kind;
-  float lipschitz; /* leaves: |f(p) - f(q)| <= lipschitz * |p - q| in the root's space */
+  float lipschitz; /* leaves: |f(p) - f(q)| <= lipschitz * |p - q| in the root's space; noise: what it adds to its child's */
+  float doubt;     /* leaves: what rounding may do to a value beyond the query's margin */
 
   /* Which values of this operation can matter to a query that asks only what lies in [low, high] at the root: those in
    * [low - slack_low, high + slack_high], or in [-high - slack_low, -low + slack_high] where `flipped`. */
   bool flipped;
   float slack_low, slack_high;
 
-  /* Leaves: where the distance is <= level lies within this box grown by level * grow on each side, for level >= 0. */
+  /* Leaves: where the distance is <= level lies within this box grown by level * grow on each side, for level >= 0. Infinite where
+   * the leaf is unbounded. */
   double min[3], max[3], grow;
 
   union {
@@ -88,8 +115,51 @@ typedef struct support_op {
       float min[3], max[3]; /* in the leaf's own space */
     } callback;
     struct {
+      op_frame frame;                      /* in units of the largest radius */
+      float radii[3], excess[3], smallest; /* excess: radii squared less the smallest's */
+    } ellipsoid;
+    struct {
+      float centre[3], normal[3];
+    } plane;
+    struct {
+      float centre[3], axis[3], radius, tube_radius;
+    } torus;
+    struct {
+      op_frame frame;
+      const float* edges; /* in the support's tables */
+      uint32_t edge_count;
+      float middle, half; /* y */
+    } extrusion;
+    struct {
+      float a[3], axis[3], length, radius, taper, lean; /* radius at a, its loss a metre; see distance_pipe */
+    } pipe;
+    struct {
+      op_frame frame;                             /* centred on one end, scale folded into the lengths */
+      float axis[2], length, radius, taper, lean; /* as a pipe's, in x and z */
+      float slope, half_height, cosine, shrink;
+    } band;
+    struct {
+      op_frame frame;
+      const float* balls; /* in the support's tables */
+      uint32_t count;
+      float curvature; /* no second derivative of the sum is larger */
+      float level;     /* the value where all influence ends */
+    } blobs;
+    struct {
+      op_frame frame; /* scale folded into the lengths */
+      float spacing, inverse_spacing, radius;
+      float amplitude, inverse_wavelength, steepest, curvature; /* waves: of the swing's derivatives */
+    } pattern;
+    struct {
       float blend, inverse_blend;
     } smooth;
+    struct {
+      op_frame frame; /* to wavelengths */
+      float amplitude;
+      float heights[SUPPORT_MAX_OCTAVES]; /* what each octave is multiplied with; 2.1 times that is more than its range */
+      float slope;                        /* of each octave, the same for all */
+      uint32_t octaves, seed;
+    } noise;
   };
 } support_op;
 
@@ -105,6 +175,8 @@ struct scree_support {
   uint32_t height_count;
   support_mesh* meshes; /* one for each mesh shape */
   uint32_t mesh_count;
+  float* tables; /* of extrusions and blobs */
+  size_t table_length;
 };
 
 /* The box, in the root's space, that holds every point whose distance is <= level, level >= 0. Returns false if there is none. */
@@ -113,6 +185,9 @@ bool scree_rt_support_level_bounds(const scree_support* support, double level, d
 /* Distances in the order of the program; count points in SUPPORT_BATCH-sized arrays. Plain kernel. */
 void scree_rt_support_evaluate_plain(const support_op* ops, const uint16_t* program, uint32_t length, const float* x,
                                      const float* y, const float* z, float* distance, uint32_t count);
+
+/* How fast the support's distance can change, whatever the tree. */
+double scree_rt_support_lipschitz(const scree_support* support);
 
 /* Checks every shape, names what is wrong. */
 scree_result scree_rt_support_check(const scree_support_desc* desc, scree_error* error);

@@ -53,6 +53,34 @@ static void square_ring(float* positions, uint32_t* indices, random_stream* r, d
     }
 }
 
+/* A star with arms of random length, which may cross themselves. */
+static void fill_extrusion(float* points, random_stream* r, scree_shape* shape, double size) {
+  uint32_t count = 3 + random_below(r, 12);
+  for (uint32_t i = 0; i < count; ++i) {
+    double turn = 6.28318530718 * (i + random_in(r, -0.7, 0.7)) / count, arm = size * random_in(r, 0.3, 1.2);
+    points[2 * i] = (float)(arm * cos(turn));
+    points[2 * i + 1] = (float)(arm * sin(turn));
+  }
+  shape->extrusion.points = points;
+  shape->extrusion.point_count = count;
+  shape->extrusion.low = (float)(-size * random_in(r, 0.1, 0.8));
+  shape->extrusion.high = (float)(size * random_in(r, 0, 0.8));
+}
+
+static void fill_tube(float* points, float* radii, random_stream* r, scree_shape* shape, double size) {
+  shape->tube.point_count = 2 + random_below(r, 5);
+  bool band = random_below(r, 2);
+  for (uint32_t i = 0; i < shape->tube.point_count; ++i) {
+    for (uint32_t a = 0; a < 3; ++a) points[3 * i + a] = (float)(size * random_in(r, -1, 1) * (band && a == 1 ? 0.3 : 1));
+    radii[i] = (float)(size * random_in(r, 0.05, 0.3));
+  }
+  shape->tube.points = points;
+  shape->tube.radii = radii;
+  shape->tube.closed = random_below(r, 2);
+  shape->tube.subdivisions = random_below(r, 7);
+  shape->tube.half_height = band ? (float)(size * random_in(r, 0.1, 0.5)) : 0;
+}
+
 static void fill_leaf(random_support* s, uint32_t leaf, random_stream* r, scree_shape* shape, scree_shape_kind kind, double reach) {
   memset(shape, 0, sizeof *shape);
   shape->kind = kind;
@@ -104,6 +132,33 @@ static void fill_leaf(random_support* s, uint32_t leaf, random_stream* r, scree_
       shape->mesh.triangle_count = 32;
       shape->mesh.resolution = 8 + random_below(r, 25);
       break;
+    case SCREE_SHAPE_ELLIPSOID:
+      for (int a = 0; a < 3; ++a) shape->ellipsoid.radii[a] = (float)(size * random_in(r, 0.2, 1.2));
+      if (random_below(r, 4) == 0) shape->ellipsoid.radii[1] = shape->ellipsoid.radii[2]; /* round one way */
+      break;
+    case SCREE_SHAPE_HALF_SPACE: break;
+    case SCREE_SHAPE_TORUS:
+      shape->torus.radius = (float)(size * random_in(r, 0.4, 1));
+      shape->torus.tube_radius = (float)(size * random_in(r, 0.1, 0.5));
+      break;
+    case SCREE_SHAPE_EXTRUSION: fill_extrusion(s->data[leaf].points, r, shape, size); break;
+    case SCREE_SHAPE_TUBE: fill_tube(s->data[leaf].points, s->data[leaf].radii, r, shape, size); break;
+    case SCREE_SHAPE_BLOBS:
+      shape->blobs.count = 1 + random_below(r, 8);
+      shape->blobs.centres = s->data[leaf].points;
+      shape->blobs.radii = s->data[leaf].radii;
+      for (uint32_t i = 0; i < shape->blobs.count; ++i) {
+        for (uint32_t a = 0; a < 3; ++a) s->data[leaf].points[3 * i + a] = (float)random_in(r, -size, size);
+        s->data[leaf].radii[i] = (float)(size * random_in(r, 0.5, 1.5));
+      }
+      break;
+    case SCREE_SHAPE_PATTERN:
+      shape->pattern.kind = (scree_pattern_kind)random_below(r, 3);
+      shape->pattern.spacing = (float)(size * random_in(r, 0.3, 1));
+      shape->pattern.radius = shape->pattern.spacing * (float)random_in(r, 0.1, 0.6);
+      shape->pattern.wavelength = (float)(size * random_in(r, 0.5, 2));
+      shape->pattern.amplitude = random_below(r, 5) ? shape->pattern.wavelength * (float)random_in(r, 0.02, 0.3) : 0;
+      break;
     default:
       shape->kind = SCREE_SHAPE_CALLBACK;
       s->data[leaf].wave[0] = (float)size;
@@ -119,7 +174,7 @@ static void fill_leaf(random_support* s, uint32_t leaf, random_stream* r, scree_
 }
 
 static scree_shape_kind any_kind(random_stream* r, bool with_mesh) {
-  scree_shape_kind kind = (scree_shape_kind)random_below(r, SCREE_SHAPE_CALLBACK + 1);
+  scree_shape_kind kind = (scree_shape_kind)random_below(r, SCREE_SHAPE_PATTERN + 1);
   return kind == SCREE_SHAPE_MESH && !with_mesh ? SCREE_SHAPE_BOX : kind;
 }
 
@@ -130,35 +185,80 @@ void random_leaf(random_support* s, random_stream* r, scree_shape_kind kind, dou
   s->desc.shape_count = 1;
 }
 
+/* A tree in the making: shapes are made from the last to the first, leaves, then groups over shapes that have no parent yet. */
+typedef struct grower {
+  random_support* s;
+  uint32_t next, used; /* the last shape made; children taken */
+} grower;
+
+static scree_shape* grow(grower* g, scree_shape_kind kind) {
+  scree_shape* shape = &g->s->shapes[--g->next];
+  memset(shape, 0, sizeof *shape);
+  shape->kind = kind;
+  return shape;
+}
+
+/* The shape that was made last, cut by a box. */
+static void cut(grower* g, double half) {
+  uint32_t* children = &g->s->children[g->used];
+  children[0] = g->next;
+  scree_shape* box = grow(g, SCREE_SHAPE_BOX);
+  for (int a = 0; a < 3; ++a) box->box.half[a] = (float)half;
+  children[1] = g->next;
+  scree_shape* group = grow(g, SCREE_SHAPE_INTERSECTION);
+  group->group.children = children;
+  group->group.child_count = 2;
+  g->used += 2;
+}
+
 void random_tree(random_support* s, random_stream* r, uint32_t leaves, double reach) {
+  static const scree_shape_kind groups[] = {SCREE_SHAPE_UNION,      SCREE_SHAPE_UNION,        SCREE_SHAPE_INTERSECTION,
+                                            SCREE_SHAPE_DIFFERENCE, SCREE_SHAPE_SMOOTH_UNION, SCREE_SHAPE_SMOOTH_UNION};
   memset(&s->desc, 0, sizeof s->desc);
-  /* Shapes are made from the last to the first: leaves, then groups over shapes that have no parent yet. */
-  uint32_t next = RANDOM_MAX_SHAPES, used = 0, orphans[RANDOM_MAX_SHAPES], orphan_count = 0;
+  grower g = {s, RANDOM_MAX_SHAPES, 0};
+  uint32_t orphans[RANDOM_MAX_LEAVES], orphan_count = 0;
+  bool endless = false;
   for (uint32_t i = 0; i < leaves; ++i) {
-    fill_leaf(s, i, r, &s->shapes[--next], any_kind(r, true), reach);
-    orphans[orphan_count++] = next;
+    scree_shape_kind kind = any_kind(r, true);
+    fill_leaf(s, i, r, &s->shapes[--g.next], kind, reach);
+    if (kind == SCREE_SHAPE_HALF_SPACE || kind == SCREE_SHAPE_PATTERN) {
+      if (random_below(r, 3) > 0)
+        cut(&g, reach * random_in(r, 0.3, 1));
+      else
+        endless = true;
+    }
+    orphans[orphan_count++] = g.next;
   }
   while (orphan_count > 1) {
     uint32_t take = 2 + random_below(r, 3);
     if (take > orphan_count) take = orphan_count;
-    scree_shape* group = &s->shapes[--next];
-    memset(group, 0, sizeof *group);
-    static const scree_shape_kind groups[] = {SCREE_SHAPE_UNION,      SCREE_SHAPE_UNION,        SCREE_SHAPE_INTERSECTION,
-                                              SCREE_SHAPE_DIFFERENCE, SCREE_SHAPE_SMOOTH_UNION, SCREE_SHAPE_SMOOTH_UNION};
-    group->kind = groups[random_below(r, 6)];
+    scree_shape* group = grow(&g, groups[random_below(r, 6)]);
     random_transform(r, &group->transform, reach * 0.1);
-    group->group.children = &s->children[used];
+    group->group.children = &s->children[g.used];
     group->group.child_count = take;
     group->group.blend = (float)(reach * random_in(r, 0.02, 0.4));
     for (uint32_t k = 0; k < take; ++k) {
       uint32_t pick = random_below(r, orphan_count);
-      s->children[used++] = orphans[pick];
+      s->children[g.used++] = orphans[pick];
       orphans[pick] = orphans[--orphan_count];
     }
-    orphans[orphan_count++] = next;
+    if (random_below(r, 4) == 0) {
+      uint32_t child = g.next;
+      scree_shape* noise = grow(&g, SCREE_SHAPE_NOISE);
+      random_transform(r, &noise->transform, reach * 0.1);
+      noise->noise = (scree_noise){.child = child,
+                                   .amplitude = (float)(reach * random_in(r, 0.01, 0.1)),
+                                   .wavelength = (float)(reach * random_in(r, 0.1, 0.8)),
+                                   .octaves = random_below(r, 5),
+                                   .seed = random_below(r, 1000)};
+    }
+    orphans[orphan_count++] = g.next;
   }
+  if (endless) cut(&g, reach * 1.5);
   /* The array starts at shape `next`: children count from there. */
-  for (uint32_t i = 0; i < used; ++i) s->children[i] -= next;
-  s->desc.shapes = &s->shapes[next];
-  s->desc.shape_count = RANDOM_MAX_SHAPES - next;
+  for (uint32_t i = 0; i < g.used; ++i) s->children[i] -= g.next;
+  for (uint32_t i = g.next; i < RANDOM_MAX_SHAPES; ++i)
+    if (s->shapes[i].kind == SCREE_SHAPE_NOISE) s->shapes[i].noise.child -= g.next;
+  s->desc.shapes = &s->shapes[g.next];
+  s->desc.shape_count = RANDOM_MAX_SHAPES - g.next;
 }

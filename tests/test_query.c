@@ -47,10 +47,15 @@ static scree_query_desc random_query(const scene* s, random_stream* r) {
   if (random_below(r, 2)) d.threshold = (float)random_in(r, 0.02, 0.98);
   if (random_below(r, 2)) d.flags = SCREE_QUERY_SHELL;
   if (random_below(r, 2)) d.shell_depth = (float)random_in(r, 0.1, 5);
-  if (random_below(r, 2)) {
-    double min[3], max[3];
-    scree_support_bounds(s->support, min, max);
+  double min[3], max[3];
+  scree_support_bounds(s->support, min, max);
+  bool endless = false;
+  for (int a = 0; a < 3; ++a) endless = endless || !isfinite(min[a]) || !isfinite(max[a]);
+  if (endless || random_below(r, 2)) {
     for (int a = 0; a < 3; ++a) {
+      double at = s->shapes.desc.origin[a];
+      if (!isfinite(min[a])) min[a] = (isfinite(max[a]) ? max[a] : at + 8) - 16;
+      if (!isfinite(max[a])) max[a] = min[a] + 16;
       double p = random_in(r, min[a] - 2, max[a] + 2), q = random_in(r, min[a] - 2, max[a] + 2);
       d.min[a] = p < q ? p : q;
       d.max[a] = p < q ? q : p;
@@ -84,9 +89,9 @@ static void check_scene(const scene* s, const scree_query_desc* d, double reach)
 static void query_equals_its_plain_twin_for_single_shapes(void** state) {
   (void)state;
   random_stream r = {2026};
-  for (int round = 0; round < 40; ++round) {
+  for (int round = 0; round < 75; ++round) {
     scene s = {0};
-    scree_shape_kind kind = (scree_shape_kind)(round % (SCREE_SHAPE_CALLBACK + 1));
+    scree_shape_kind kind = (scree_shape_kind)(round % (SCREE_SHAPE_PATTERN + 1));
     uint32_t seeds = random_below(&r, 3) ? 1 : 4;
     make_field(&s, &r, 3 + (uint32_t)round % 6, random_below(&r, 2), seeds);
     random_leaf(&s.shapes, &r, kind, 10);

@@ -91,7 +91,7 @@ typedef struct scree_mesh {
 
 /* Distances are exact, or at least never too large and of the right size near the surface. */
 typedef struct scree_ellipsoid {
-  float radii[3]; /* > 0 */
+  float radii[3]; /* > 0, the largest at most 1000 times the smallest */
 } scree_ellipsoid;
 
 typedef struct scree_torus {
@@ -132,7 +132,7 @@ typedef struct scree_pattern {
   scree_pattern_kind kind;
   float spacing;    /* between axes, > 0 */
   float radius;     /* of the bars, > 0 */
-  float amplitude;  /* WAVES: of the swing, >= 0, metres */
+  float amplitude;  /* WAVES: of the swing, 0 to 1000 wavelengths, metres; where it bends, bars are a little thicker */
   float wavelength; /* WAVES: along z, > 0 */
 } scree_pattern;
 
@@ -152,7 +152,7 @@ typedef struct scree_group {
 /* d(p) = child(p) + amplitude * n(p / wavelength), n in [-1, 1]: gradient noise in octaves, each half as high and half as long. */
 typedef struct scree_noise {
   uint32_t child;   /* index, greater than this shape's own */
-  float amplitude;  /* metres, > 0 */
+  float amplitude;  /* metres, > 0, at most 1000 wavelengths */
   float wavelength; /* metres, > 0 */
   uint32_t octaves; /* 1..8; 0 = 1 */
   uint32_t seed;
@@ -193,8 +193,8 @@ typedef struct scree_support_desc {
 
 /* Compiles a support. Everything that `desc` points at is copied, callbacks' user pointers excepted. A mesh of 75,000 triangles at
  * resolution 128 takes about a second of one core; its grid 4 bytes a sample, while it is made 14.
- * Limits: 4096 shapes in the tree, one that is used twice counting twice; groups 32 deep; 1e9 metres. Shapes that the root does not
- * reach are checked too.
+ * Limits: 4096 shapes in the tree, one that is used twice counting twice and a tube once for each straight piece; groups and noise
+ * 32 deep; 1e9 metres. Shapes that the root does not reach are checked too.
  * error: may be NULL; says which shape is wrong and how.
  * Returns SCREE_OK, INVALID_ARGUMENT (tree order, NULLs, a mesh that is inside out), RANGE (a number outside its range or not
  * finite), NOT_CLOSED (a mesh with a border; the error names an edge) or OUT_OF_MEMORY. */
