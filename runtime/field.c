@@ -94,21 +94,17 @@ static void fill_slot(scree_field* field, const field_tile* tile, uint32_t slot,
 }
 
 static void fill_assets(scree_field* field, const field_source* s) {
-  for (uint32_t i = 0; i < s->asset_count; ++i) {
-    const field_rock* rock = &s->rocks[i];
-    field_asset* asset = &field->assets[i];
-    memcpy(asset->centroid, rock->centroid, sizeof asset->centroid);
-    asset->inner_radius = rock->inner_radius;
-    asset->outer_radius = rock->outer_radius;
-    asset->burial = rock->burial > 0 && rock->burial < SCREE_BURIAL_NEVER ? rock->burial : SCREE_BURIAL_NEVER;
-    if (asset->burial < SCREE_BURIAL_NEVER && asset->burial > field->deepest_burial) field->deepest_burial = asset->burial;
-  }
-}
-
-static bool every_cell_has_one_rock(const field_source* s) {
   for (uint32_t cell = 0; cell < s->cell_count; ++cell)
-    if (s->cell_first[cell + 1] - s->cell_first[cell] != 1) return false;
-  return true;
+    for (uint32_t i = s->cell_first[cell]; i < s->cell_first[cell + 1]; ++i) {
+      const field_rock* rock = &s->rocks[i];
+      field_asset* asset = &field->assets[i];
+      memcpy(asset->centroid, rock->centroid, sizeof asset->centroid);
+      asset->inner_radius = rock->inner_radius;
+      asset->outer_radius = rock->outer_radius;
+      asset->burial = rock->burial > 0 && rock->burial < SCREE_BURIAL_NEVER ? (uint8_t)rock->burial : SCREE_BURIAL_NEVER;
+      asset->siblings = (uint8_t)(s->cell_first[cell + 1] - s->cell_first[cell]);
+      if (asset->burial < SCREE_BURIAL_NEVER && asset->burial > field->deepest_burial) field->deepest_burial = asset->burial;
+    }
 }
 
 static void fill_cells(scree_field* field, const field_source* s) {
@@ -122,6 +118,27 @@ static void fill_cells(scree_field* field, const field_source* s) {
   }
   for (uint32_t i = 0; field->cell_counts != NULL && i < 256 * n * n * n; ++i)
     field->cell_counts[i] = (uint8_t)(s->cell_first[s->tile_cells[i] + 1] - s->cell_first[s->tile_cells[i]]);
+}
+
+static void fill_bare(scree_field* field) {
+  for (uint32_t code = 0; field->bare != NULL && code < 256; ++code) {
+    const field_tile* tile = &field->tiles[code];
+    tile_slots slots = field_slots(field, tile);
+    for (uint32_t i = 0; i < tile->block_first[FIELD_BLOCKS]; ++i)
+      field->bare[(size_t)tile->rocks * FIELD_OCTET + i] = field->assets[slots.asset[i]].burial == SCREE_BURIAL_NEVER;
+  }
+}
+
+static bool some_cell_is_empty(const field_source* s) {
+  for (uint32_t cell = 0; cell < s->cell_count; ++cell)
+    if (s->cell_first[cell + 1] == s->cell_first[cell]) return true;
+  return false;
+}
+
+static bool some_rock_is_bare(const field_source* s) {
+  for (uint32_t i = 0; i < s->asset_count; ++i)
+    if (s->rocks[i].burial < 1 || s->rocks[i].burial >= SCREE_BURIAL_NEVER) return true;
+  return false;
 }
 
 static void fill_tile(scree_field* field, const field_source* s, uint32_t code) {
@@ -224,18 +241,20 @@ scree_result scree_rt_field_create_from_source(const scree_field_desc* desc, con
   field->hull_first = source->hull_first;
   field->hulls = source->hulls;
   size_t cells = (size_t)source->cells_per_cube * source->cells_per_cube * source->cells_per_cube;
-  bool single = every_cell_has_one_rock(source);
+  bool empty = some_cell_is_empty(source), bare = some_rock_is_bare(source);
   field->assets = scree_rt_allocate_zeroed(&allocator, (size_t)source->asset_count + 1, sizeof *field->assets);
   field->cell_places = scree_rt_allocate_zeroed(&allocator, cells, sizeof *field->cell_places);
-  if (!single) field->cell_counts = scree_rt_allocate_zeroed(&allocator, 256 * cells, 1);
+  if (empty) field->cell_counts = scree_rt_allocate_zeroed(&allocator, 256 * cells, 1);
+  if (bare) field->bare = scree_rt_allocate_zeroed(&allocator, field->mean_radius_count, 1);
   if (field->rocks == NULL || field->layouts == NULL || field->mean_radius == NULL || field->assets == NULL ||
-      field->cell_places == NULL || (!single && field->cell_counts == NULL)) {
+      field->cell_places == NULL || (empty && field->cell_counts == NULL) || (bare && field->bare == NULL)) {
     scree_field_destroy(field);
     return SCREE_ERROR_OUT_OF_MEMORY;
   }
   fill_tiles(field, source);
   fill_assets(field, source);
   fill_cells(field, source);
+  fill_bare(field);
   for (uint32_t b = 0; b < FIELD_BLOCKS; ++b) bound_block(field, b);
   *out = field;
   return SCREE_OK;
@@ -251,6 +270,7 @@ void scree_field_destroy(scree_field* field) {
   scree_rt_release(&allocator, field->assets, (size_t)field->asset_count + 1, sizeof *field->assets);
   scree_rt_release(&allocator, field->cell_places, cells, sizeof *field->cell_places);
   scree_rt_release(&allocator, field->cell_counts, 256 * cells, 1);
+  scree_rt_release(&allocator, field->bare, field->mean_radius_count, 1);
   scree_rt_release(&allocator, field, 1, sizeof *field);
 }
 

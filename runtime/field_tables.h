@@ -43,7 +43,8 @@ typedef struct field_source {
 typedef struct field_asset {
   float centroid[3];
   float inner_radius, outer_radius;
-  uint32_t burial; /* 1..SCREE_BURIAL_NEVER */
+  uint8_t burial;   /* 1..SCREE_BURIAL_NEVER */
+  uint8_t siblings; /* rocks of its cell, itself included */
 } field_asset;
 
 typedef struct field_tile {
@@ -79,7 +80,8 @@ struct scree_field {
   field_asset* assets;    /* asset_count */
   uint32_t asset_count;
   uint32_t deepest_burial;    /* the largest that is less than SCREE_BURIAL_NEVER; 0 = no rock is ever hidden */
-  uint8_t* cell_counts;       /* rocks of each cell of each tile, [256][N][N][N]; NULL where all have one */
+  uint8_t* cell_counts;       /* rocks of each cell of each tile, [256][N][N][N]; NULL where no cell is empty */
+  uint8_t* bare;              /* parallel to the slots of `rocks`: 1 where the burial is SCREE_BURIAL_NEVER; NULL where none is */
   uint8_t (*cell_places)[4];  /* (x, y, z, 0) of cell x + N (y + N z); N * N * N */
   uint32_t lattice_per_cell;  /* of hulls */
   const uint32_t* hull_first; /* as in field_source */

@@ -5,6 +5,25 @@
 #include "field_tables.h"
 #include "support_program.h"
 
+/* Cells of a box, a byte each: SCREE_CELL_FULL where all rocks that the field has in a cell exist, else how many are known to. */
+typedef struct cell_grid {
+  uint8_t* cells;
+  int64_t low[3], high[3];
+  size_t row, slice; /* bytes from one y to the next, from one z to the next */
+} cell_grid;
+
+#define SCREE_CELL_FULL 255
+
+static inline uint8_t* grid_cell(const cell_grid* grid, const int64_t cell[3]) {
+  return grid->cells + (size_t)(cell[2] - grid->low[2]) * grid->slice + (size_t)(cell[1] - grid->low[1]) * grid->row +
+         (size_t)(cell[0] - grid->low[0]);
+}
+
+/* Notes one more rock of a cell that has `all` of them. */
+static inline void grid_add(uint8_t* cell, uint32_t all) {
+  if (*cell != SCREE_CELL_FULL && ++*cell == all) *cell = SCREE_CELL_FULL;
+}
+
 typedef struct query_run {
   const scree_field* field;
   const scree_support* support;
@@ -17,8 +36,10 @@ typedef struct query_run {
   float floor;                       /* shell: and distance > floor; -infinity without */
   float margin;                      /* more than rounding can move any distance of this query */
   float relevant_low, relevant_high; /* distances outside are all alike to the query */
-  scree_instance* instances;         /* NULL: only count */
-  scree_id* ids;                     /* or NULL */
+  const cell_grid* deep;     /* or NULL: rocks below `floor` exist, are noted here, and are not delivered, but for those that
+                                no burial hides */
+  scree_instance* instances; /* NULL: only count */
+  scree_id* ids;             /* or NULL */
   uint64_t capacity;
   uint64_t count;
 } query_run;
@@ -37,7 +58,8 @@ typedef struct cell_query {
   const scree_support* support;
   double origin[3]; /* as in scree_query_desc, and so on */
   float threshold;
-  float depth; /* rocks as deep as this or deeper do not exist; 0 = they do */
+  float depth;           /* rocks as deep as this or deeper do not exist; 0 = they do */
+  const cell_grid* deep; /* or NULL: rocks as deep as `depth` are noted here, as in query_run; it holds [low, high) */
   int64_t low[3], high[3];
 } cell_query;
 

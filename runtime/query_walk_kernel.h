@@ -39,7 +39,7 @@ typedef struct walk {
 /* 8 balls, and after bound_parts what the support's distance is there. Bit p of a mask speaks of part p. */
 typedef struct parts {
   float x[PARTS], y[PARTS], z[PARTS], radius[PARTS];
-  uint32_t bulk, straddling;
+  uint32_t bulk, straddling, deep;
   uint32_t prunable; /* parts where some operation is idle */
 } parts;
 
@@ -179,6 +179,7 @@ static void bound_parts(walk* w, program_view program, parts* p, uint32_t lanes)
     shallow |= v_bits(low > floor) << k;
   }
   p->bulk = in & shallow & lanes;
+  p->deep = deep & ~out & lanes;
   p->straddling = lanes & ~(out | deep | p->bulk);
 }
 
@@ -361,6 +362,73 @@ static inline void set_range(const walk* w, cube_view* c) {
   }
 }
 
+/* --- below the floor ------------------------------------------------------------------------------------------------------- */
+
+/* Cells low .. high - 1 are deep, as far as they belong to the query. */
+static void note_cells(const walk* w, const int64_t low[3], const int64_t high[3]) {
+  const cell_grid* grid = w->run->deep;
+  int64_t from[3], to[3];
+  for (int a = 0; a < 3; ++a) {
+    from[a] = low[a] > w->run->cell_low[a] ? low[a] : w->run->cell_low[a];
+    to[a] = high[a] < w->run->cell_high[a] ? high[a] : w->run->cell_high[a];
+    if (from[a] >= to[a]) return;
+  }
+  int64_t at[3] = {from[0], from[1], from[2]};
+  for (; at[2] < to[2]; ++at[2])
+    for (at[1] = from[1]; at[1] < to[1]; ++at[1]) memset(grid_cell(grid, at), SCREE_CELL_FULL, (size_t)(to[0] - from[0]));
+}
+
+/* Delivers those of slots first .. end - 1 that no burial hides. */
+static void emit_bare(walk* w, const cube_view* c, uint32_t first, uint32_t end) {
+  const uint8_t* bare = w->field->bare + (size_t)c->tile->rocks * FIELD_OCTET;
+  for (uint32_t slot = first; slot < end; slot += FIELD_OCTET) {
+    uint32_t mask = 0;
+    for (uint32_t i = 0; i < FIELD_OCTET; ++i) mask |= (uint32_t)bare[slot + i] << i;
+    if (mask != 0) emit_octet(w, c, slot, mask & octet_mask(c, slot, end));
+  }
+}
+
+/* The same for whole cubes, all of them deep. */
+static void visit_deep_cubes(walk* w, const int64_t low[3], const int64_t high[3]) {
+  const int64_t n = w->n, cell_low[3] = {low[0] * n, low[1] * n, low[2] * n},
+                cell_high[3] = {high[0] * n, high[1] * n, high[2] * n};
+  note_cells(w, cell_low, cell_high);
+  if (w->field->bare == NULL) return;
+  cube_view c;
+  float places[3][8];
+  for (int a = 0; a < 3; ++a) c.place[a] = places[a];
+  int64_t at[3];
+  for (at[2] = low[2]; at[2] < high[2]; ++at[2])
+    for (at[1] = low[1]; at[1] < high[1]; ++at[1])
+      for (at[0] = low[0]; at[0] < high[0]; ++at[0]) {
+        for (int a = 0; a < 3; ++a) {
+          c.at[a] = (int32_t)at[a];
+          place_axis(w, w->run->out_base[a], at[a], places[a]);
+        }
+        set_tile(w, &c,
+                 side_colours(w->field->seed, c.at[0], c.at[1], c.at[2]) |
+                     side_colours(w->field->seed, c.at[0] + 1, c.at[1], c.at[2]) << 1);
+        set_range(w, &c);
+        emit_bare(w, &c, 0, c.tile->block_first[FIELD_BLOCKS]);
+      }
+}
+
+/* Notes those of 8 slots that the mask has; returns those of them that are delivered all the same. */
+static uint32_t note_octet(const walk* w, const cube_view* c, uint32_t slot, uint32_t mask) {
+  const tile_slots* s = &c->slots;
+  uint32_t bare = 0;
+  for (; mask != 0; mask &= mask - 1) {
+    uint32_t i = (uint32_t)__builtin_ctz(mask), k = slot + i;
+    if (w->field->bare != NULL && w->field->bare[(size_t)c->tile->rocks * FIELD_OCTET + k]) {
+      bare |= 1u << i;
+      continue;
+    }
+    const int64_t cell[3] = {c->at[0] * w->n + s->cx[k], c->at[1] * w->n + s->cy[k], c->at[2] * w->n + s->cz[k]};
+    grid_add(grid_cell(w->run->deep, cell), w->field->assets[s->asset[k]].siblings);
+  }
+  return bare;
+}
+
 /* Rocks of a cube that have to be looked at one by one, up to 64 at a time. */
 typedef struct batch {
   float x[SUPPORT_BATCH], y[SUPPORT_BATCH], z[SUPPORT_BATCH];
@@ -373,13 +441,16 @@ static void flush(walk* w, const cube_view* c, program_view program, batch* b) {
   const query_run* run = w->run;
   evaluate_program(w->ops, program.ops, program.length, b->x, b->y, b->z, w->values, b->octets * FIELD_OCTET);
   for (uint32_t o = 0; o < b->octets; ++o) {
-    uint32_t exists = 0;
+    uint32_t exists = 0, deep = 0;
     for (uint32_t k = 0; k < FIELD_OCTET; k += SIMD_WIDTH) {
       vfloat d = v_load(w->values[0] + o * FIELD_OCTET + k);
       vfloat offset = v_set(0);
       if (run->slope != 0) offset = v_set(run->slope) * v_load(c->slots.mean_radius + b->slot[o] + k);
       exists |= v_bits((d <= offset) & (d > v_set(run->floor))) << k;
+      deep |= v_bits(d <= v_set(run->floor)) << k;
     }
+    deep &= b->mask[o];
+    if (run->deep != NULL && deep != 0) exists |= note_octet(w, c, b->slot[o], deep);
     emit_octet(w, c, b->slot[o], exists & b->mask[o]);
   }
   b->octets = 0;
@@ -415,6 +486,10 @@ static void test_slots(walk* w, const cube_view* c, program_view program, batch*
   }
 }
 
+static inline uint32_t block_kind(const parts* p, uint32_t b) {
+  return (p->bulk >> b & 1) | (p->straddling >> b & 1) << 1 | (p->deep >> b & 1) << 2;
+}
+
 /* What the cubes of a node of 2 x 2 x 2 share: the centres of their cells. */
 typedef struct axis_places {
   float test[3][2][8], place[3][2][8];
@@ -446,7 +521,18 @@ __attribute__((noinline)) static void visit_cube(walk* w, const int64_t node[3],
     v_store(p.radius + i, v_load(balls->radius + i));
   }
   bound_parts(w, program, &p, lanes);
-  if ((p.bulk | p.straddling) == 0) return;
+  if (run->deep == NULL) p.deep = 0;
+  for (uint32_t b = 0; b < FIELD_BLOCKS; ++b) {
+    if (!(p.deep >> b & 1)) continue;
+    int64_t low[3], high[3];
+    for (int a = 0; a < 3; ++a) {
+      low[a] = c.at[a] * w->n + block_low(field, b, a);
+      high[a] = c.at[a] * w->n + block_high(field, b, a);
+    }
+    note_cells(w, low, high);
+  }
+  if (field->bare == NULL) p.deep = 0;
+  if ((p.bulk | p.straddling | p.deep) == 0) return;
 
   set_tile(w, &c,
            side_colours(field->seed, c.at[0], c.at[1], c.at[2]) | side_colours(field->seed, c.at[0] + 1, c.at[1], c.at[2]) << 1);
@@ -458,10 +544,11 @@ __attribute__((noinline)) static void visit_cube(walk* w, const int64_t node[3],
   batch todo;
   todo.octets = 0;
   for (uint32_t b = 0; b < FIELD_BLOCKS;) { /* runs of blocks with the same fate are neighbours in the slots */
-    uint32_t kind = (p.bulk >> b & 1) | (p.straddling >> b & 1) << 1, first = b;
-    while (b < FIELD_BLOCKS && ((p.bulk >> b & 1) | (p.straddling >> b & 1) << 1) == kind) ++b;
+    uint32_t kind = block_kind(&p, b), first = b;
+    while (b < FIELD_BLOCKS && block_kind(&p, b) == kind) ++b;
     if (kind == 1) emit_slots(w, &c, c.tile->block_first[first], c.tile->block_first[b]);
     if (kind == 2) test_slots(w, &c, program, &todo, c.tile->block_first[first], c.tile->block_first[b]);
+    if (kind == 4) emit_bare(w, &c, c.tile->block_first[first], c.tile->block_first[b]);
   }
   if (todo.octets > 0) flush(w, &c, program, &todo);
 }
@@ -545,6 +632,7 @@ static void visit_node(walk* w, const int64_t at[3], int64_t size, program_view 
     const node_side *x = &sides[0][c & 1], *y = &sides[1][c >> 1 & 1], *z = &sides[2][c >> 2];
     const int64_t low[3] = {x->low, y->low, z->low}, high[3] = {x->high, y->high, z->high};
     if (p.bulk >> c & 1) emit_cubes(w, low, high);
+    if (w->run->deep != NULL && (p.deep >> c & 1)) visit_deep_cubes(w, low, high);
     if (!(p.straddling >> c & 1)) continue;
     if (half == 1) {
       if (!tested) {

@@ -3,10 +3,9 @@
 #define SCREE_SCENE_LAYERS_H
 
 #include "edits_internal.h"
-#include "field_tables.h"
+#include "query_kernel.h"
 #include "scene_internal.h"
 #include "scratch.h"
-#include "support_program.h"
 
 enum { SCENE_MAX_LAYERS = 64, SCENE_MAX_FILTERS = 16 };
 
@@ -69,14 +68,20 @@ typedef struct scene_question {
   scree_scratch* scratch;
   double origin[3];
   const scree_edits* edits; /* or NULL */
-  bool visible;             /* only what can be seen is delivered */
+  bool visible;             /* only what can be seen is delivered; then one layer is asked for, not more */
   uint64_t most;            /* rocks that may be looked at; more are SCREE_ERROR_CAPACITY */
   layer_rocks layers[SCENE_MAX_LAYERS];
   scree_instance* instances; /* of all layers, in the scratch; rocks that are left out are moved out */
   scree_id* ids;
   uint64_t count;
   uint64_t bucket_count, kept_count;
+  cell_grid grid; /* of the layer that is asked for, where burial is looked at */
 } scene_question;
+
+/* Whether anything of a layer can be hidden by its neighbours. */
+static inline bool looks_at_burial(const scene_question* q, uint32_t layer) {
+  return q->visible && q->layers[layer].asked && q->scene->layers[layer].given.field->deepest_burial > 0;
+}
 
 /* Whether a layer can have rocks in a range of cells; true when in doubt. */
 bool scree_rt_scene_cells_may_hold(const scene_layer* layer, const int64_t low[3], const int64_t high[3]);
@@ -87,6 +92,19 @@ void scree_rt_scene_ask(scene_question* q, uint32_t layer, const int64_t low[3],
 /* Finds the rocks of all layers that are asked for, and those of earlier layers that they may meet: supports, shells and filters
  * only. */
 scree_result scree_rt_scene_gather(scene_question* q);
+
+/* Moves out the rocks of the layer that is asked for that nobody can see. The edits' own rocks may stay. */
+scree_result scree_rt_scene_cull(scene_question* q, uint32_t layer);
+
+/* All cells low .. high - 1, none of them full. */
+scree_result scree_rt_scene_make_grid(scree_scratch* scratch, const int64_t low[3], const int64_t high[3], cell_grid* grid);
+
+/* In these cells of a layer without filters, shell, edits and earlier layers: rocks that lie deeper than this have all the
+ * neighbours that burial looks at. Metres. */
+double scree_rt_scene_floor(const scene_layer* layer, const int64_t low[3], const int64_t high[3]);
+
+/* Whether a layer has edits in a range of cells. */
+bool scree_rt_scene_edited(const scene_question* q, uint32_t layer, const int64_t low[3], const int64_t high[3]);
 
 /* Drops those that meet a kept rock of an earlier layer. */
 scree_result scree_rt_scene_keep(scene_question* q);

@@ -74,12 +74,64 @@ bool scree_rt_scene_may_hold(const scree_scene* scene, uint32_t layer, const dou
   return scree_rt_scene_cells_may_hold(&scene->layers[layer], low, high);
 }
 
+/* The cells of a layer where a rock could stand that reaches into a box relative to the scene's base. */
+static void cells_round(const scene_layer* layer, const double low[3], const double high[3], int64_t cell_low[3],
+                        int64_t cell_high[3]) {
+  double h = layer->given.field->cell_size;
+  for (int a = 0; a < 3; ++a) { /* one cell more on either side, for rounding */
+    cell_low[a] = scree_rt_query_first_cell(low[a] - layer->reach - layer->offset[a], h) - 1;
+    cell_high[a] = scree_rt_query_first_cell(high[a] + layer->reach - layer->offset[a], h) + 1;
+  }
+  clamp_cells(layer->given.field, cell_low, cell_high);
+}
+
 void scree_rt_scene_ask(scene_question* q, uint32_t layer, const int64_t low[3], const int64_t high[3]) {
   layer_rocks* rocks = &q->layers[layer];
   rocks->asked = true;
   memcpy(rocks->asked_low, low, sizeof rocks->asked_low);
   memcpy(rocks->asked_high, high, sizeof rocks->asked_high);
-  unite(&rocks->needed, rocks->low, rocks->high, low, high);
+  memcpy(rocks->low, low, sizeof rocks->low);
+  memcpy(rocks->high, high, sizeof rocks->high);
+  rocks->needed = true;
+  if (!looks_at_burial(q, layer)) return;
+  const scree_field* field = q->scene->layers[layer].given.field;
+  for (int a = 0; a < 3; ++a) {
+    rocks->low[a] -= field->deepest_burial;
+    rocks->high[a] += field->deepest_burial;
+  }
+  clamp_cells(field, rocks->low, rocks->high);
+}
+
+bool scree_rt_scene_edited(const scene_question* q, uint32_t index, const int64_t low[3], const int64_t high[3]) {
+  if (scree_edits_count(q->edits) == 0) return false;
+  const scree_layer* layer = &q->scene->layers[index].given;
+  int64_t n = layer->field->cells_per_cube;
+  int32_t cube_low[3], cube_high[3];
+  for (int a = 0; a < 3; ++a) {
+    cube_low[a] = (int32_t)floor_divide(low[a], n);
+    cube_high[a] = (int32_t)(floor_divide(high[a] - 1, n) + 1);
+  }
+  return scree_rt_edits_any(q->edits, layer->key, cube_low, cube_high);
+}
+
+/* Whether rocks that lie deep need not be looked for, because nothing but the support decides what exists here. */
+static bool may_skip_the_deep(const scene_question* q, uint32_t index) {
+  const scene_layer* layer = &q->scene->layers[index];
+  const layer_rocks* rocks = &q->layers[index];
+  if (layer->filtered || layer->given.shell_depth > 0 || scree_rt_scene_edited(q, index, rocks->low, rocks->high)) return false;
+  double low[3], high[3];
+  cell_centre(layer, rocks->low, low);
+  cell_centre(layer, rocks->high, high);
+  for (int a = 0; a < 3; ++a) {
+    low[a] -= layer->reach;
+    high[a] += layer->reach;
+  }
+  for (uint32_t j = 0; j < index; ++j) {
+    int64_t cell_low[3], cell_high[3];
+    cells_round(&q->scene->layers[j], low, high, cell_low, cell_high);
+    if (scree_rt_scene_cells_may_hold(&q->scene->layers[j], cell_low, cell_high)) return false;
+  }
+  return true;
 }
 
 /* Finds the rocks of one layer in the cells where it is needed, behind those that are there already. */
@@ -94,7 +146,19 @@ static scree_result find_rocks(scene_question* q, uint32_t index) {
   memcpy(query.low, rocks->low, sizeof query.low);
   memcpy(query.high, rocks->high, sizeof query.high);
   rocks->first = q->count;
+  bool buried = looks_at_burial(q, index);
+  if (buried && may_skip_the_deep(q, index)) {
+    double depth = scree_rt_scene_floor(layer, rocks->low, rocks->high);
+    if (depth < 1e30) {
+      query.depth = (float)depth;
+      query.deep = &q->grid;
+    }
+  }
   for (;;) {
+    if (buried) { /* anew each time, because queries write to it */
+      scree_result result = scree_rt_scene_make_grid(q->scratch, rocks->low, rocks->high, &q->grid);
+      if (result != SCREE_OK) return result;
+    }
     size_t room = scratch_room(q->scratch, SCRATCH_INSTANCES, sizeof *q->instances);
     size_t id_room = scratch_room(q->scratch, SCRATCH_IDS, sizeof *q->ids);
     if (id_room < room) room = id_room;
@@ -144,17 +208,6 @@ static void find_tight_box(scene_question* q, uint32_t index) {
   }
 }
 
-/* The cells of a layer where a rock could stand that reaches into a box relative to the scene's base. */
-static void cells_round(const scene_layer* layer, const double low[3], const double high[3], int64_t cell_low[3],
-                        int64_t cell_high[3]) {
-  double h = layer->given.field->cell_size;
-  for (int a = 0; a < 3; ++a) { /* one cell more on either side, for rounding */
-    cell_low[a] = scree_rt_query_first_cell(low[a] - layer->reach - layer->offset[a], h) - 1;
-    cell_high[a] = scree_rt_query_first_cell(high[a] + layer->reach - layer->offset[a], h) + 1;
-  }
-  clamp_cells(layer->given.field, cell_low, cell_high);
-}
-
 scree_result scree_rt_scene_gather(scene_question* q) {
   q->count = 0;
   for (uint32_t k = q->scene->layer_count; k-- > 0;) {
@@ -194,24 +247,12 @@ static bool is_in(const int64_t cell[3], const int64_t low[3], const int64_t hig
   return true;
 }
 
-/* Whether a layer has edits in a range of cells. */
-static bool has_edits(const scene_question* q, uint32_t index, const int64_t low[3], const int64_t high[3]) {
-  const scree_layer* layer = &q->scene->layers[index].given;
-  int64_t n = layer->field->cells_per_cube;
-  int32_t cube_low[3], cube_high[3];
-  for (int a = 0; a < 3; ++a) {
-    cube_low[a] = (int32_t)floor_divide(low[a], n);
-    cube_high[a] = (int32_t)(floor_divide(high[a] - 1, n) + 1);
-  }
-  return scree_rt_edits_any(q->edits, layer->key, cube_low, cube_high);
-}
-
 static void deliver(const scene_question* q, uint32_t index, rock_sink* sink) {
   const scene_layer* layer = &q->scene->layers[index];
   const layer_rocks* rocks = &q->layers[index];
   bool all = memcmp(rocks->low, rocks->asked_low, sizeof rocks->low) == 0 &&
              memcmp(rocks->high, rocks->asked_high, sizeof rocks->high) == 0;
-  bool edited = has_edits(q, index, rocks->asked_low, rocks->asked_high);
+  bool edited = scree_rt_scene_edited(q, index, rocks->asked_low, rocks->asked_high);
   for (uint64_t i = rocks->first; i < rocks->first + rocks->count; ++i) {
     scree_id id = q->ids[i];
     id.layer = layer->given.key;
@@ -235,6 +276,11 @@ static void deliver(const scene_question* q, uint32_t index, rock_sink* sink) {
 }
 
 /* --- questions ------------------------------------------------------------------------------------------------------------- */
+
+enum {
+  MOST_AT_ONCE = 1 << 20,      /* rocks looked at in one go; larger questions are cut up */
+  MOST_CELLS_AT_ONCE = 1 << 21 /* where burial is looked at */
+};
 
 static scree_result answer(scene_question* q) {
   scree_result result = scree_rt_scene_gather(q);
@@ -292,22 +338,79 @@ static scree_result find_range(const scree_scene_query_desc* d, const scene_laye
   return SCREE_OK;
 }
 
+/* What a question about a layer goes through, again for each part of the range where that is large. */
+typedef struct layer_visit {
+  scene_question* q;
+  const scree_scene_query_desc* desc;
+  scree_scratch* scratch;
+  uint32_t layer;
+  rock_sink* sink;
+} layer_visit;
+
+static scree_result visit_part(const layer_visit* v, const int64_t low[3], const int64_t high[3], uint64_t most) {
+  const scree_scene_query_desc* d = v->desc;
+  begin(v->q, d->scene, d->edits, d->origin, (d->flags & SCREE_SCENE_VISIBLE) != 0, v->scratch);
+  v->q->most = most;
+  scree_rt_scene_ask(v->q, v->layer, low, high);
+  scree_result result = answer(v->q);
+  if (result == SCREE_OK && looks_at_burial(v->q, v->layer)) result = scree_rt_scene_cull(v->q, v->layer);
+  if (result == SCREE_OK) deliver(v->q, v->layer, v->sink);
+  return result;
+}
+
+static scree_result visit_range(const layer_visit* v, const int64_t low[3], const int64_t high[3]) {
+  const scene_layer* layer = &v->desc->scene->layers[v->layer];
+  const int64_t n = layer->given.field->cells_per_cube, margin = 2 * (int64_t)layer->given.field->deepest_burial;
+  if (!scree_rt_scene_cells_may_hold(layer, low, high)) return SCREE_OK;
+  bool burial = (v->desc->flags & SCREE_SCENE_VISIBLE) != 0 && margin > 0;
+  double cells = 1;
+  int axis = 0;
+  for (int a = 0; a < 3; ++a) {
+    cells *= (double)(high[a] - low[a] + margin);
+    if (high[a] - low[a] > high[axis] - low[axis]) axis = a;
+  }
+  bool large = high[axis] - low[axis] >= 2 * n;
+  if (!(large && burial && cells > MOST_CELLS_AT_ONCE)) {
+    scree_result result = visit_part(v, low, high, large ? MOST_AT_ONCE : UINT64_MAX);
+    if (result != SCREE_ERROR_CAPACITY) return result;
+  }
+  int64_t middle[3] = {low[0], low[1], low[2]}, end[3] = {high[0], high[1], high[2]};
+  middle[axis] = end[axis] = low[axis] + (high[axis] - low[axis]) / 2;
+  scree_result result = visit_range(v, low, end);
+  return result == SCREE_OK ? visit_range(v, middle, high) : result;
+}
+
 static scree_result find_all(const scree_scene_query_desc* d, scree_scratch* scratch, rock_sink* sink) {
   const scree_scene* scene = d->scene;
   scene_question q;
-  begin(&q, scene, d->edits, d->origin, (d->flags & SCREE_SCENE_VISIBLE) != 0, scratch);
+  uint64_t wanted = d->layers != 0 ? d->layers : UINT64_MAX >> (64 - scene->layer_count);
+  int64_t low[SCENE_MAX_LAYERS][3], high[SCENE_MAX_LAYERS][3];
   for (uint32_t k = 0; k < scene->layer_count; ++k) {
-    if (d->layers != 0 && (d->layers >> k & 1) == 0) continue;
-    int64_t low[3], high[3];
-    bool some;
-    scree_result result = find_range(d, &scene->layers[k], low, high, &some);
+    bool some = false;
+    scree_result result = SCREE_OK;
+    if (wanted >> k & 1) result = find_range(d, &scene->layers[k], low[k], high[k], &some);
     if (result != SCREE_OK) return result;
-    if (some) scree_rt_scene_ask(&q, k, low, high);
+    if (!some) wanted &= ~(UINT64_C(1) << k);
   }
-  scree_result result = answer(&q);
-  if (result != SCREE_OK) return result;
-  for (uint32_t k = 0; k < scene->layer_count; ++k)
-    if (q.layers[k].asked) deliver(&q, k, sink);
+  /* All layers at once, so that none is looked at twice, unless they are too many rocks or each has its own burial. */
+  if ((d->flags & SCREE_SCENE_VISIBLE) == 0) {
+    begin(&q, scene, d->edits, d->origin, false, scratch);
+    q.most = MOST_AT_ONCE;
+    for (uint64_t rest = wanted; rest != 0; rest &= rest - 1) {
+      uint32_t k = (uint32_t)__builtin_ctzll(rest);
+      scree_rt_scene_ask(&q, k, low[k], high[k]);
+    }
+    scree_result result = answer(&q);
+    for (uint64_t rest = wanted; rest != 0 && result == SCREE_OK; rest &= rest - 1)
+      deliver(&q, (uint32_t)__builtin_ctzll(rest), sink);
+    if (result != SCREE_ERROR_CAPACITY) return result;
+  }
+  for (uint64_t rest = wanted; rest != 0; rest &= rest - 1) {
+    uint32_t k = (uint32_t)__builtin_ctzll(rest);
+    layer_visit visit = {&q, d, scratch, k, sink};
+    scree_result result = visit_range(&visit, low[k], high[k]);
+    if (result != SCREE_OK) return result;
+  }
   return SCREE_OK;
 }
 
@@ -351,6 +454,7 @@ scree_result scree_rt_scene_block(const scree_scene* scene, const scree_edits* e
   *count = 0;
   scree_rt_scene_ask(&q, layer, low, high);
   scree_result result = answer(&q);
+  if (result == SCREE_OK && looks_at_burial(&q, layer)) result = scree_rt_scene_cull(&q, layer);
   if (result != SCREE_OK) return result;
   rock_sink sink = {scree_rt_scratch_reserve(scratch, SCRATCH_ROCKS, q.layers[layer].count + 1, sizeof(scree_rock)),
                     q.layers[layer].count, 0};

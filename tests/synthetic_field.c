@@ -49,7 +49,7 @@ synthetic_source synthetic_create(uint32_t n, uint32_t seeds_min, uint32_t seeds
   return s;
 }
 
-void synthetic_add_hulls(synthetic_source* s, uint64_t seed) {
+void synthetic_add_hulls(synthetic_source* s, uint64_t seed, uint32_t deepest, uint32_t bare) {
   enum { LATTICE = 32, POINTS = 16 };
   random_stream r = {seed};
   uint32_t rocks = s->source.asset_count;
@@ -57,7 +57,8 @@ void synthetic_add_hulls(synthetic_source* s, uint64_t seed) {
   s->hulls = must_allocate((size_t)rocks * POINTS, 3 * sizeof *s->hulls);
   for (uint32_t i = 0; i < rocks; ++i) {
     field_rock* rock = &s->rocks[i];
-    rock->burial = 1 + random_below(&r, SCREE_BURIAL_NEVER);
+    rock->burial = 1 + random_below(&r, deepest);
+    if (bare > 0 && random_below(&r, bare) == 0) rock->burial = SCREE_BURIAL_NEVER;
     uint32_t count = 4 + random_below(&r, POINTS - 3), first = s->hull_first[i];
     for (uint32_t k = 0; k < count; ++k) {
       double p[3], length2 = 0;

@@ -36,8 +36,8 @@ typedef struct synthetic_source {
 /* Tables with the zones of a real pack and seeds_min .. seeds_max rocks a cell. Aborts when memory is short. */
 synthetic_source synthetic_create(uint32_t cells_per_cube, uint32_t seeds_min, uint32_t seeds_max, uint64_t seed);
 
-/* Gives every rock a hull within its outer ball and a burial of 1..SCREE_BURIAL_NEVER. */
-void synthetic_add_hulls(synthetic_source* s, uint64_t seed);
+/* Gives every rock a hull within its outer ball, and a burial of 1..deepest, or SCREE_BURIAL_NEVER for one in `bare` (0: none). */
+void synthetic_add_hulls(synthetic_source* s, uint64_t seed, uint32_t deepest, uint32_t bare);
 
 void synthetic_destroy(synthetic_source* s);
 

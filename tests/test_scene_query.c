@@ -66,38 +66,84 @@ static void make_filters(world* w, random_stream* r, uint32_t k) {
   }
 }
 
-/* layers: how many; filters, thresholds and shells where `rules`. */
-static void make_world(world* w, random_stream* r, uint32_t layers, bool rules, double size) {
+static void make_field(world* w, random_stream* r, uint32_t k, double smallest, double largest) {
+  scree_field_desc field = {.seed = random_bits(r), .cell_size = random_in(r, smallest, largest)};
+  for (int a = 0; a < 3; ++a) field.origin[a] = w->middle[a] + random_in(r, -50, 50);
+  assert_int_equal(scree_rt_field_create_from_source(&field, w->source_of[k], NULL, &w->fields[k]), SCREE_OK);
+}
+
+static void make_support(world* w, random_stream* r, uint32_t k, double astray) {
+  for (int a = 0; a < 3; ++a) w->shapes[k]->desc.origin[a] = w->middle[a] + random_in(r, -astray, astray);
+  scree_error error;
+  if (scree_support_create(&w->shapes[k]->desc, NULL, &w->supports[k], &error) != SCREE_OK) fail_msg("%s", error.message);
+  w->layers[k] = (scree_layer){.field = w->fields[k], .support = w->supports[k]};
+}
+
+static void make_scene(world* w, random_stream* r) {
+  if (random_below(r, 2))
+    for (uint32_t k = 0; k < w->count; ++k) w->layers[k].key = (uint16_t)(100 - 7 * k);
+  w->desc = (scree_scene_desc){w->layers, w->count};
+  scree_error error;
+  if (scree_scene_create(&w->desc, NULL, &w->scene, &error) != SCREE_OK) fail_msg("%s", error.message);
+  assert_int_equal(scree_edits_create(NULL, &w->edits), SCREE_OK);
+}
+
+static void begin_world(world* w, random_stream* r, uint32_t layers) {
   memset(w, 0, sizeof *w);
   w->count = layers;
   for (int a = 0; a < 3; ++a) w->middle[a] = random_in(r, -40, 40);
   for (uint32_t k = 0; k < layers; ++k) {
-    uint32_t most = random_below(r, 3) ? 1 : 3;
-    w->sources[k] = synthetic_create(3 + random_below(r, 4), random_below(r, 3) > 0, most, random_bits(r));
-    synthetic_add_hulls(&w->sources[k], random_bits(r));
-    w->source_of[k] = &w->sources[k].source;
-    scree_field_desc field = {.seed = random_bits(r), .cell_size = random_in(r, 0.6, 1.6)};
-    for (int a = 0; a < 3; ++a) field.origin[a] = w->middle[a] + random_in(r, -50, 50);
-    assert_int_equal(scree_rt_field_create_from_source(&field, w->source_of[k], NULL, &w->fields[k]), SCREE_OK);
-    w->shapes[k] = malloc(sizeof *w->shapes[k]);
+    w->shapes[k] = calloc(1, sizeof *w->shapes[k]);
     assert_non_null(w->shapes[k]);
-    random_tree(w->shapes[k], r, 1 + random_below(r, 5), size);
-    for (int a = 0; a < 3; ++a) w->shapes[k]->desc.origin[a] = w->middle[a] + random_in(r, -2, 2);
-    scree_error error;
-    if (scree_support_create(&w->shapes[k]->desc, NULL, &w->supports[k], &error) != SCREE_OK) fail_msg("%s", error.message);
-    w->layers[k] = (scree_layer){.field = w->fields[k], .support = w->supports[k]};
-    if (!rules) continue;
+  }
+}
+
+/* Layers of any kind that overlap, with all rules. */
+static void make_world(world* w, random_stream* r, uint32_t layers) {
+  begin_world(w, r, layers);
+  for (uint32_t k = 0; k < layers; ++k) {
+    w->sources[k] = synthetic_create(3 + random_below(r, 4), random_below(r, 3) > 0, random_below(r, 3) ? 1 : 3, random_bits(r));
+    synthetic_add_hulls(&w->sources[k], random_bits(r), 1 + random_below(r, 3), random_below(r, 3) ? 4 : 0);
+    w->source_of[k] = &w->sources[k].source;
+    make_field(w, r, k, 0.6, 1.6);
+    random_tree(w->shapes[k], r, 1 + random_below(r, 5), 7);
+    make_support(w, r, k, 2);
     if (random_below(r, 3) == 0) w->layers[k].threshold = (float)random_in(r, 0.1, 0.9);
     if (random_below(r, 3) == 0) w->layers[k].shell_depth = (float)random_in(r, 0.5, 3);
     if (random_below(r, 4) == 0) w->layers[k].density = (float)random_in(r, 0.1, 1);
     if (random_below(r, 3) == 0) make_filters(w, r, k);
   }
-  if (random_below(r, 2))
-    for (uint32_t k = 0; k < layers; ++k) w->layers[k].key = (uint16_t)(100 - 7 * k);
-  w->desc = (scree_scene_desc){w->layers, layers};
-  scree_error error;
-  if (scree_scene_create(&w->desc, NULL, &w->scene, &error) != SCREE_OK) fail_msg("%s", error.message);
-  assert_int_equal(scree_edits_create(NULL, &w->edits), SCREE_OK);
+  make_scene(w, r);
+}
+
+/* A thick mass with or without a hollow, of which next to nothing is visible; beside it, sometimes, a smaller one, earlier or
+ * later. */
+static void make_thick_world(world* w, random_stream* r) {
+  static const uint32_t children[] = {1, 2};
+  begin_world(w, r, 1 + random_below(r, 3) / 2);
+  uint32_t thick = random_below(r, w->count);
+  for (uint32_t k = 0; k < w->count; ++k) {
+    w->sources[k] = synthetic_create(3 + random_below(r, 4), random_below(r, 4) > 0, random_below(r, 3) ? 1 : 2, random_bits(r));
+    synthetic_add_hulls(&w->sources[k], random_bits(r), 1 + random_below(r, 2), random_below(r, 2) ? 9 : 0);
+    w->source_of[k] = &w->sources[k].source;
+    make_field(w, r, k, 0.55, 0.8);
+    random_support* s = w->shapes[k];
+    s->shapes[0] = (scree_shape){.kind = SCREE_SHAPE_DIFFERENCE, .group = {children, 2, 0}};
+    for (uint32_t i = 1; i < 3; ++i) {
+      bool box = random_below(r, 2);
+      float size = (float)(k == thick ? i == 1 ? random_in(r, 6.5, 9) : random_in(r, 0.2, 2) : random_in(r, 1, 2));
+      s->shapes[i] = box ? (scree_shape){.kind = SCREE_SHAPE_BOX, .box = {{size, size * 0.9f, size}, 0}}
+                         : (scree_shape){.kind = SCREE_SHAPE_SPHERE, .sphere = {size}};
+      random_rotation(r, s->shapes[i].transform.rotation);
+      for (int a = 0; a < 3; ++a) s->shapes[i].transform.translation[a] = (float)random_in(r, -2, 2);
+    }
+    s->desc = (scree_support_desc){.shapes = s->shapes, .shape_count = 3};
+    make_support(w, r, k, k == thick ? 1 : 6);
+    if (random_below(r, 4) == 0) w->layers[k].threshold = (float)random_in(r, 0.1, 0.9);
+    if (random_below(r, 5) == 0) w->layers[k].shell_depth = (float)random_in(r, 3, 6);
+    if (random_below(r, 5) == 0) w->layers[k].density = (float)random_in(r, 0.995, 1);
+  }
+  make_scene(w, r);
 }
 
 static void destroy_world(world* w) {
@@ -151,11 +197,16 @@ static void check_answer(world* w, scree_scene_query_desc* d, scree_scratch* scr
 }
 
 static void query_equals_its_plain_twin(uint64_t seed, uint32_t layers, uint32_t rounds, uint32_t flags, bool edits) {
+  /* layers 0: a thick world */
   random_stream r = {seed};
   scree_scratch* scratch = make_scratch();
   for (uint32_t round = 0; round < rounds; ++round) {
     world w;
-    make_world(&w, &r, layers, true, 7);
+    if (layers > 0) {
+      make_world(&w, &r, layers);
+    } else {
+      make_thick_world(&w, &r);
+    }
     if (edits) {
       scree_scene_query_desc all = {.scene = w.scene};
       scene_rocks rocks = ask_scene(&all, scratch);
@@ -184,9 +235,19 @@ static void overlapping_layers_equal_their_plain_twin(void** state) {
   query_equals_its_plain_twin(4, 4, 10, 0, true);
 }
 
+static void what_is_visible_equals_its_plain_twin(void** state) {
+  (void)state;
+  query_equals_its_plain_twin(5, 1, 40, SCREE_SCENE_VISIBLE, false);
+  query_equals_its_plain_twin(6, 1, 20, SCREE_SCENE_VISIBLE, true);
+  query_equals_its_plain_twin(7, 3, 20, SCREE_SCENE_VISIBLE, true);
+  query_equals_its_plain_twin(8, 0, 30, SCREE_SCENE_VISIBLE, false);
+  query_equals_its_plain_twin(9, 0, 15, SCREE_SCENE_VISIBLE, true);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(one_layer_equals_its_plain_twin),
+      cmocka_unit_test(what_is_visible_equals_its_plain_twin),
       cmocka_unit_test(overlapping_layers_equal_their_plain_twin),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
