@@ -96,6 +96,10 @@ static void compile_leaf(compiler* c, uint32_t index, const support_frame* f, co
   }
   support_op* op = next_op(c);
   double magnitude = scree_rt_support_compile_leaf(op, s, f, &c->parts[index]);
+  if (op->kind == OP_CALLBACK) {
+    op->callback.shape = index;
+    op->callback.log = &c->support->log;
+  }
   finish_leaf(c, op, index, f, why, magnitude);
 }
 
@@ -202,50 +206,98 @@ static scree_result measure(const scree_support_desc* desc, uint32_t* ops, uint3
   return SCREE_OK;
 }
 
+static support_height* find_height(const scree_support* in, support_key key) {
+  for (uint32_t i = 0; in != NULL && i < in->height_count; ++i)
+    if (in->heights[i] != NULL && support_same_key(in->heights[i]->share.key, key)) return in->heights[i];
+  return NULL;
+}
+
+static support_mesh* find_mesh(const scree_support* in, support_key key) {
+  for (uint32_t i = 0; in != NULL && i < in->mesh_count; ++i)
+    if (in->meshes[i] != NULL && support_same_key(in->meshes[i]->share.key, key)) return in->meshes[i];
+  return NULL;
+}
+
+/* Takes the grid of a heightfield or mesh from an earlier support, or else checks what is in its arrays: all checks come before
+ * the slow part. */
+static scree_result find_grid(scree_support* support, const scree_support_desc* desc, uint32_t index, support_part* part,
+                              scree_error* error) {
+  const scree_shape* shape = &desc->shapes[index];
+  part->key = scree_rt_support_key(shape);
+  if (shape->kind == SCREE_SHAPE_HEIGHTFIELD && (part->height = find_height(desc->reuse, part->key)) != NULL) {
+    support_keep(&part->height->share);
+    support->heights[part->place] = part->height;
+  } else if (shape->kind == SCREE_SHAPE_MESH && (part->mesh = find_mesh(desc->reuse, part->key)) != NULL) {
+    support_keep(&part->mesh->share);
+    support->meshes[part->place] = part->mesh;
+  } else {
+    scree_result result = scree_rt_support_check_content(shape, index, error);
+    if (result != SCREE_OK || shape->kind == SCREE_SHAPE_HEIGHTFIELD) return result;
+    return scree_rt_support_mesh_check(shape, index, &support->allocator, error);
+  }
+  return SCREE_OK;
+}
+
+/* Makes a grid that was not found, unless another shape of this support has the same. */
+static scree_result make_grid(scree_support* support, const scree_support_desc* desc, uint32_t index, support_part* part) {
+  const scree_shape* shape = &desc->shapes[index];
+  if (shape->kind == SCREE_SHAPE_HEIGHTFIELD && part->height == NULL) {
+    part->height = find_height(support, part->key);
+    if (part->height != NULL)
+      support_keep(&part->height->share);
+    else
+      part->height = scree_rt_support_height_create(shape, part->key, &support->allocator);
+    support->heights[part->place] = part->height;
+    if (part->height == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
+  } else if (shape->kind == SCREE_SHAPE_MESH && part->mesh == NULL) {
+    part->mesh = find_mesh(support, part->key);
+    if (part->mesh != NULL)
+      support_keep(&part->mesh->share);
+    else
+      part->mesh = scree_rt_support_mesh_create(shape, part->key, &desc->jobs, &support->allocator);
+    support->meshes[part->place] = part->mesh;
+    if (part->mesh == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
+  }
+  return SCREE_OK;
+}
+
+static bool has_grid(scree_shape_kind kind) {
+  return kind == SCREE_SHAPE_HEIGHTFIELD || kind == SCREE_SHAPE_MESH;
+}
+
 /* Heightfields, meshes and tables: each is built once, however often the tree uses it. */
 static scree_result build_parts(scree_support* support, const scree_support_desc* desc, support_part* parts, scree_error* error) {
   const scree_allocator* allocator = &support->allocator;
   uint32_t heights = 0, meshes = 0;
   size_t floats = 0;
   for (uint32_t i = 0; i < desc->shape_count; ++i) {
-    heights += desc->shapes[i].kind == SCREE_SHAPE_HEIGHTFIELD;
-    meshes += desc->shapes[i].kind == SCREE_SHAPE_MESH;
+    if (desc->shapes[i].kind == SCREE_SHAPE_HEIGHTFIELD) parts[i].place = heights++;
+    if (desc->shapes[i].kind == SCREE_SHAPE_MESH) parts[i].place = meshes++;
     floats += scree_rt_support_table_length(&desc->shapes[i]);
   }
-  support->heights = heights > 0 ? scree_rt_allocate_zeroed(allocator, heights, sizeof(support_height)) : NULL;
+  support->heights = heights > 0 ? scree_rt_allocate_zeroed(allocator, heights, sizeof *support->heights) : NULL;
   if (heights > 0 && support->heights == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
   support->height_count = heights;
-  support->meshes = meshes > 0 ? scree_rt_allocate_zeroed(allocator, meshes, sizeof(support_mesh)) : NULL;
+  support->meshes = meshes > 0 ? scree_rt_allocate_zeroed(allocator, meshes, sizeof *support->meshes) : NULL;
   if (meshes > 0 && support->meshes == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
   support->mesh_count = meshes;
   support->tables = floats > 0 ? scree_rt_allocate(allocator, floats, sizeof(float)) : NULL;
   if (floats > 0 && support->tables == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
   support->table_length = floats;
 
-  for (uint32_t i = 0; i < desc->shape_count; ++i) { /* all checks come before the slow part */
-    if (desc->shapes[i].kind != SCREE_SHAPE_MESH) continue;
-    scree_result result = scree_rt_support_mesh_check(&desc->shapes[i], i, allocator, error);
-    if (result != SCREE_OK) return result;
-  }
-  heights = meshes = 0;
+  scree_result result = SCREE_OK;
+  for (uint32_t i = 0; i < desc->shape_count && result == SCREE_OK; ++i)
+    if (has_grid(desc->shapes[i].kind)) result = find_grid(support, desc, i, &parts[i], error);
+  for (uint32_t i = 0; i < desc->shape_count && result == SCREE_OK; ++i)
+    if (has_grid(desc->shapes[i].kind)) result = make_grid(support, desc, i, &parts[i]);
   floats = 0;
   for (uint32_t i = 0; i < desc->shape_count; ++i) {
-    const scree_shape* shape = &desc->shapes[i];
-    scree_result result = SCREE_OK;
-    if (shape->kind == SCREE_SHAPE_HEIGHTFIELD) {
-      parts[i].height = &support->heights[heights];
-      result = scree_rt_support_height_create(&support->heights[heights++], shape, allocator);
-    } else if (shape->kind == SCREE_SHAPE_MESH) {
-      parts[i].mesh = &support->meshes[meshes];
-      result = scree_rt_support_mesh_create(&support->meshes[meshes++], shape, &desc->jobs, allocator);
-    } else if (scree_rt_support_table_length(shape) > 0) {
-      scree_rt_support_table_fill(shape, support->tables + floats);
-      parts[i].table = support->tables + floats;
-      floats += scree_rt_support_table_length(shape);
-    }
-    if (result != SCREE_OK) return result;
+    if (scree_rt_support_table_length(&desc->shapes[i]) == 0) continue;
+    parts[i].table = support->tables + floats;
+    scree_rt_support_table_fill(&desc->shapes[i], support->tables + floats);
+    floats += scree_rt_support_table_length(&desc->shapes[i]);
   }
-  return SCREE_OK;
+  return result;
 }
 
 static scree_result build(scree_support* support, const scree_support_desc* desc, uint32_t* counts, support_part* parts,
@@ -297,6 +349,7 @@ scree_result scree_support_create(const scree_support_desc* desc, const scree_al
   if (support != NULL) {
     support->allocator = allocator;
     memcpy(support->origin, desc->origin, sizeof support->origin);
+    support->log = desc->log;
     if (counts != NULL && parts != NULL) result = build(support, desc, counts, parts, error);
   }
   scree_rt_release(&allocator, counts, desc->shape_count, 2 * sizeof(uint32_t));
@@ -316,10 +369,10 @@ scree_result scree_support_create(const scree_support_desc* desc, const scree_al
 void scree_support_destroy(scree_support* support) {
   if (support == NULL) return;
   scree_allocator allocator = support->allocator;
-  for (uint32_t i = 0; i < support->height_count; ++i) scree_rt_support_height_destroy(&support->heights[i], &allocator);
-  for (uint32_t i = 0; i < support->mesh_count; ++i) scree_rt_support_mesh_destroy(&support->meshes[i], &allocator);
-  scree_rt_release(&allocator, support->heights, support->height_count, sizeof(support_height));
-  scree_rt_release(&allocator, support->meshes, support->mesh_count, sizeof(support_mesh));
+  for (uint32_t i = 0; i < support->height_count; ++i) scree_rt_support_height_drop(support->heights[i]);
+  for (uint32_t i = 0; i < support->mesh_count; ++i) scree_rt_support_mesh_drop(support->meshes[i]);
+  scree_rt_release(&allocator, support->heights, support->height_count, sizeof *support->heights);
+  scree_rt_release(&allocator, support->meshes, support->mesh_count, sizeof *support->meshes);
   scree_rt_release(&allocator, support->tables, support->table_length, sizeof(float));
   scree_rt_release(&allocator, support->ops, support->op_capacity, sizeof(support_op));
   scree_rt_release(&allocator, support->program, support->op_capacity, sizeof(uint16_t));

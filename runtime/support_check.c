@@ -84,7 +84,10 @@ static scree_result check_heightfield(checker* c, const scree_shape* s) {
   TRY(finite(c, "heightfield.above", -1, (double)s->heightfield.above));
   TRY(finite(c, "heightfield.below", -1, (double)s->heightfield.below));
   double thickness = (double)s->heightfield.above + (double)s->heightfield.below;
-  TRY(positive(c, "heightfield.above + below", -1, thickness));
+  return positive(c, "heightfield.above + below", -1, thickness);
+}
+
+static scree_result check_heights(checker* c, const scree_shape* s) {
   size_t count = (size_t)s->heightfield.width * s->heightfield.depth;
   for (size_t i = 0; i < count; ++i)
     if (!(fabsf(s->heightfield.heights[i]) <= (float)LARGEST))
@@ -100,6 +103,10 @@ static scree_result check_mesh(checker* c, const scree_shape* s) {
   TRY(number(c, "mesh.vertex_count", -1, s->mesh.vertex_count, s->mesh.vertex_count >= 4, "4 or more vertices"));
   TRY(number(c, "mesh.resolution", -1, s->mesh.resolution,
              s->mesh.resolution == 0 || (s->mesh.resolution >= 8 && s->mesh.resolution <= 512), "0 (for 128) or 8 to 512"));
+  return SCREE_OK;
+}
+
+static scree_result check_triangles(checker* c, const scree_shape* s) {
   for (size_t i = 0; i < (size_t)s->mesh.vertex_count * 3; ++i)
     if (!(fabsf(s->mesh.positions[i]) <= (float)LARGEST))
       return number(c, "mesh.positions", (int)i, (double)s->mesh.positions[i], false, "a finite number of metres");
@@ -325,4 +332,9 @@ scree_result scree_rt_support_check(const scree_support_desc* desc, scree_error*
     }
   for (c.shape = 0; c.shape < desc->shape_count; ++c.shape) TRY(check_shape(&c, &desc->shapes[c.shape], desc->shape_count));
   return SCREE_OK;
+}
+
+scree_result scree_rt_support_check_content(const scree_shape* shape, uint32_t index, scree_error* error) {
+  checker c = {error, index};
+  return shape->kind == SCREE_SHAPE_MESH ? check_triangles(&c, shape) : check_heights(&c, shape);
 }

@@ -25,36 +25,42 @@ static double steepest_slope2(const support_height* g, double spacing) {
   return steepest / square(spacing);
 }
 
-scree_result scree_rt_support_height_create(support_height* grid, const scree_shape* shape, const scree_allocator* allocator) {
+support_height* scree_rt_support_height_create(const scree_shape* shape, support_key key, const scree_allocator* allocator) {
   uint32_t width = shape->heightfield.width, depth = shape->heightfield.depth;
   size_t count = (size_t)width * depth;
   double spacing = (double)shape->heightfield.spacing;
-  double above = (double)shape->heightfield.above, below = (double)shape->heightfield.below;
 
-  memset(grid, 0, sizeof *grid);
-  grid->heights = scree_rt_allocate(allocator, count, sizeof(float));
-  if (grid->heights == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
-  memcpy(grid->heights, shape->heightfield.heights, count * sizeof(float));
-
+  support_height* grid = scree_rt_allocate_zeroed(allocator, 1, sizeof *grid);
+  if (grid == NULL) return NULL;
+  grid->share.allocator = *allocator;
+  grid->share.key = key;
+  atomic_init(&grid->share.uses, 1);
   grid->width = width;
   grid->depth = depth;
+  grid->heights = scree_rt_allocate(allocator, count, sizeof(float));
+  if (grid->heights == NULL) {
+    scree_rt_support_height_drop(grid);
+    return NULL;
+  }
+  memcpy(grid->heights, shape->heightfield.heights, count * sizeof(float));
+
   grid->inverse_spacing = (float)(1 / spacing);
   grid->middle_u = (float)((width - 1) * 0.5);
   grid->middle_v = (float)((depth - 1) * 0.5);
   grid->extent_x = (float)((width - 1) * 0.5 * spacing);
   grid->extent_z = (float)((depth - 1) * 0.5 * spacing);
-  grid->middle = (float)((above - below) * 0.5);
-  grid->half = (float)((above + below) * 0.5);
   grid->cosine = (float)(1 / sqrt(1 + steepest_slope2(grid, spacing)));
   grid->lowest = grid->highest = grid->heights[0];
   for (size_t i = 1; i < count; ++i) {
     if (grid->heights[i] < grid->lowest) grid->lowest = grid->heights[i];
     if (grid->heights[i] > grid->highest) grid->highest = grid->heights[i];
   }
-  return SCREE_OK;
+  return grid;
 }
 
-void scree_rt_support_height_destroy(support_height* grid, const scree_allocator* allocator) {
-  scree_rt_release(allocator, grid->heights, (size_t)grid->width * grid->depth, sizeof(float));
-  grid->heights = NULL;
+void scree_rt_support_height_drop(support_height* grid) {
+  if (grid == NULL || !support_drop(&grid->share)) return;
+  scree_allocator allocator = grid->share.allocator;
+  scree_rt_release(&allocator, grid->heights, (size_t)grid->width * grid->depth, sizeof(float));
+  scree_rt_release(&allocator, grid, 1, sizeof *grid);
 }

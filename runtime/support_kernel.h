@@ -4,6 +4,7 @@
 #ifndef SCREE_SUPPORT_KERNEL_H
 #define SCREE_SUPPORT_KERNEL_H
 
+#include "support_callback.h"
 #include "support_noise_kernel.h"
 #include "support_shapes_kernel.h"
 
@@ -62,7 +63,7 @@ static inline vfloat distance_height(const support_op* op, vpoint p) {
   vfloat h01 = v_gather(g->heights + g->width, index), h11 = v_gather(g->heights + g->width + 1, index);
   vfloat near_side = h00 + u * (h10 - h00), far_side = h01 + u * (h11 - h01);
   vfloat surface = near_side + v * (far_side - near_side);
-  vfloat layer = (v_abs(q.y - surface - v_set(g->middle)) - v_set(g->half)) * v_set(g->cosine);
+  vfloat layer = (v_abs(q.y - surface - v_set(op->height.middle)) - v_set(op->height.half)) * v_set(g->cosine);
   vfloat x = v_abs(q.x) - v_set(g->extent_x), z = v_abs(q.z) - v_set(g->extent_z);
   vfloat beside = length2(v_max(x, zero), v_max(z, zero)) + v_min(v_max(x, z), zero);
   return v_max(layer, beside) * v_set(op->height.frame.scale);
@@ -145,11 +146,17 @@ static void distance_callback(const support_op* op, const float* x, const float*
     v_store(pz + i, q.z);
   }
   op->callback.distance(op->callback.user, px, py, pz, d, count);
+#ifndef NDEBUG
+  scree_rt_support_callback_check(op, px, py, pz, d, count);
+#endif
+  /* What is not a number makes no rock appear: it is outside, or inside where the callback is taken away from something. */
+  const vfloat none = v_set(op->flipped ? -INFINITY : INFINITY);
   const float *low = op->callback.min, *high = op->callback.max;
   for (uint32_t i = 0; i < count; i += SIMD_WIDTH) {
     vfloat qx = v_load(px + i), qy = v_load(py + i), qz = v_load(pz + i), value = v_load(d + i);
     vfloat away = length3(qx - v_clamp(qx, v_set(low[0]), v_set(high[0])), qy - v_clamp(qy, v_set(low[1]), v_set(high[1])),
                           qz - v_clamp(qz, v_set(low[2]), v_set(high[2])));
+    value = v_select(value == value, value, none);
     value = v_select(away > v_set(0), v_max(away, value), value);
     v_store(d + i, value * v_set(op->callback.frame.scale));
   }

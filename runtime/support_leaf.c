@@ -174,19 +174,20 @@ static void compile_half_space(support_op* op, const support_frame* f) {
   scree_rt_support_set_bounds(op, f, low, high);
 }
 
-static double compile_height(support_op* op, const support_height* grid, const support_frame* f) {
+static double compile_height(support_op* op, const scree_shape* s, const support_height* grid, const support_frame* f) {
+  double above = (double)s->heightfield.above, below = (double)s->heightfield.below;
   op->kind = OP_HEIGHTFIELD;
   op->height.frame = scree_rt_support_op_frame(f, false);
   op->height.grid = grid;
-  const double low[3] = {-(double)grid->extent_x, (double)grid->lowest + (double)grid->middle - (double)grid->half,
-                         -(double)grid->extent_z};
-  const double high[3] = {(double)grid->extent_x, (double)grid->highest + (double)grid->middle + (double)grid->half,
-                          (double)grid->extent_z};
+  op->height.middle = (float)((above - below) * 0.5);
+  op->height.half = (float)((above + below) * 0.5);
+  const double low[3] = {-(double)grid->extent_x, (double)grid->lowest - below, -(double)grid->extent_z};
+  const double high[3] = {(double)grid->extent_x, (double)grid->highest + above, (double)grid->extent_z};
   scree_rt_support_set_bounds(op, f, low, high);
   /* Its level sets grow by 1 / cosine upwards and by 1 to the sides, and so to their diagonal where it leans. */
   double steep = 1 / (double)grid->cosine;
   op->grow = is_turned(f) ? sqrt(1 + steep * steep) : steep;
-  return (fabs((double)grid->lowest) + fabs((double)grid->highest) + fabs((double)grid->middle) + (double)grid->half) * f->scale;
+  return (fabs((double)grid->lowest) + fabs((double)grid->highest) + fabs(above) + fabs(below)) * f->scale;
 }
 
 static void compile_mesh(support_op* op, const support_mesh* grid, const support_frame* f) {
@@ -210,6 +211,7 @@ static void compile_callback(support_op* op, const scree_shape* s, const support
   op->callback.frame = scree_rt_support_op_frame(f, false);
   op->callback.distance = s->callback.distance;
   op->callback.user = s->callback.user;
+  op->callback.lipschitz = s->callback.lipschitz == 0 ? 1.0f : s->callback.lipschitz;
   /* Outside its box the value is also held above the distance to the box, whose own bound is 1. */
   op->lipschitz = s->callback.lipschitz > 1 ? s->callback.lipschitz : 1.0f;
   for (int a = 0; a < 3; ++a) {
@@ -315,7 +317,7 @@ double scree_rt_support_compile_leaf(support_op* op, const scree_shape* s, const
     case SCREE_SHAPE_CAPSULE: compile_capsule(op, s, f); return 0;
     case SCREE_SHAPE_CYLINDER:
     case SCREE_SHAPE_CONE: compile_round(op, s, f); return 0;
-    case SCREE_SHAPE_HEIGHTFIELD: return compile_height(op, part->height, f);
+    case SCREE_SHAPE_HEIGHTFIELD: return compile_height(op, s, part->height, f);
     case SCREE_SHAPE_MESH: compile_mesh(op, part->mesh, f); return 0;
     case SCREE_SHAPE_ELLIPSOID: compile_ellipsoid(op, s, f); return 0;
     case SCREE_SHAPE_HALF_SPACE: compile_half_space(op, f); return 0;
@@ -331,8 +333,10 @@ double scree_rt_support_compile_leaf(support_op* op, const scree_shape* s, const
 
 size_t scree_rt_support_table_length(const scree_shape* s) {
   if (s->kind == SCREE_SHAPE_BLOBS) return (size_t)BLOB_FLOATS * s->blobs.count;
-  if (s->kind != SCREE_SHAPE_EXTRUSION) return 0;
-  size_t edges = s->extrusion.point_count;
+  return s->kind == SCREE_SHAPE_EXTRUSION ? scree_rt_support_edges_length(s->extrusion.point_count) : 0;
+}
+
+size_t scree_rt_support_edges_length(size_t edges) {
   return edges * EXTRUSION_EDGE + (edges + EXTRUSION_CHUNK - 1) / EXTRUSION_CHUNK * EXTRUSION_BOX;
 }
 

@@ -13,9 +13,11 @@ typedef struct support_frame {
 
 /* What a shape was given when its parts were built. */
 typedef struct support_part {
-  const support_height* height;
-  const support_mesh* mesh;
+  support_height* height;
+  support_mesh* mesh;
   const float* table;
+  support_key key; /* of a grid, and its place among the support's */
+  uint32_t place;
 } support_part;
 
 void scree_rt_support_to_root(const support_frame* frame, const double p[3], double out[3]);
@@ -33,6 +35,7 @@ double scree_rt_support_compile_leaf(support_op* op, const scree_shape* shape, c
 
 /* Floats that a shape needs in the support's tables, and what goes there. 0 for most. */
 size_t scree_rt_support_table_length(const scree_shape* shape);
+size_t scree_rt_support_edges_length(size_t edges); /* of an extrusion */
 void scree_rt_support_table_fill(const scree_shape* shape, float* table);
 
 /* Tubes: straight pieces between points of the curve. */

@@ -351,9 +351,13 @@ static void fill_grid(builder* b, support_mesh* grid, float* brick_scratch, cons
   }
 }
 
-scree_result scree_rt_support_mesh_create(support_mesh* grid, const scree_shape* shape, const scree_jobs* jobs,
-                                          const scree_allocator* allocator) {
-  memset(grid, 0, sizeof *grid);
+support_mesh* scree_rt_support_mesh_create(const scree_shape* shape, support_key key, const scree_jobs* jobs,
+                                           const scree_allocator* allocator) {
+  support_mesh* grid = scree_rt_allocate_zeroed(allocator, 1, sizeof *grid);
+  if (grid == NULL) return NULL;
+  grid->share.allocator = *allocator;
+  grid->share.key = key;
+  atomic_init(&grid->share.uses, 1);
   place_grid(grid, shape);
   size_t count = (size_t)grid->size[0] * grid->size[1] * grid->size[2], bytes = count / 8 + 1;
   builder b = {.indices = shape->mesh.indices, .triangle_count = shape->mesh.triangle_count};
@@ -377,19 +381,21 @@ scree_result scree_rt_support_mesh_create(support_mesh* grid, const scree_shape*
     fill_grid(&b, grid, brick_scratch, jobs);
   } else {
     scree_rt_release(allocator, b.nearest, count, sizeof *b.nearest);
-    scree_rt_support_mesh_destroy(grid, allocator);
   }
   scree_rt_release(allocator, brick_scratch, bricks, sizeof *brick_scratch);
   scree_rt_release(allocator, b.vertices, shape->mesh.vertex_count, sizeof *b.vertices);
   scree_rt_release(allocator, b.distance, count, sizeof *b.distance);
   scree_rt_release(allocator, b.inside, bytes, 1);
   scree_rt_release(allocator, b.changed, count, 1);
-  return complete ? SCREE_OK : SCREE_ERROR_OUT_OF_MEMORY;
+  if (complete) return grid;
+  scree_rt_support_mesh_drop(grid);
+  return NULL;
 }
 
-void scree_rt_support_mesh_destroy(support_mesh* grid, const scree_allocator* allocator) {
-  scree_rt_release(allocator, grid->samples, (size_t)grid->size[0] * grid->size[1] * grid->size[2], sizeof *grid->samples);
-  scree_rt_release(allocator, grid->brick_lipschitz, (size_t)grid->bricks[0] * grid->bricks[1] * grid->bricks[2], sizeof(float));
-  grid->samples = NULL;
-  grid->brick_lipschitz = NULL;
+void scree_rt_support_mesh_drop(support_mesh* grid) {
+  if (grid == NULL || !support_drop(&grid->share)) return;
+  scree_allocator allocator = grid->share.allocator;
+  scree_rt_release(&allocator, grid->samples, (size_t)grid->size[0] * grid->size[1] * grid->size[2], sizeof *grid->samples);
+  scree_rt_release(&allocator, grid->brick_lipschitz, (size_t)grid->bricks[0] * grid->bricks[1] * grid->bricks[2], sizeof(float));
+  scree_rt_release(&allocator, grid, 1, sizeof *grid);
 }

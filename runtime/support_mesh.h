@@ -2,12 +2,13 @@
 #ifndef SCREE_SUPPORT_MESH_H
 #define SCREE_SUPPORT_MESH_H
 
-#include <scree/support.h>
+#include "support_share.h"
 
 /* Cells along each side of a brick. */
 #define MESH_BRICK 8
 
 typedef struct support_mesh {
+  support_share share;
   /* size[0] * size[1] * size[2], x fastest: the sample in the low 16 bits and its neighbour along y in the high ones, both signed
    * multiples of `quantum`, negative inside, > 0 on the grid's outer faces. So two loads of 64 bits give all eight corners. */
   uint32_t* samples;
@@ -30,9 +31,9 @@ typedef struct support_mesh {
 scree_result scree_rt_support_mesh_check(const scree_shape* shape, uint32_t shape_index, const scree_allocator* allocator,
                                          scree_error* error);
 
-/* Samples the distance; the mesh was checked. Returns SCREE_OK or OUT_OF_MEMORY, then with nothing left to release. */
-scree_result scree_rt_support_mesh_create(support_mesh* grid, const scree_shape* shape, const scree_jobs* jobs,
-                                          const scree_allocator* allocator);
-void scree_rt_support_mesh_destroy(support_mesh* grid, const scree_allocator* allocator);
+/* Samples the distance; the mesh was checked. NULL when out of memory. */
+support_mesh* scree_rt_support_mesh_create(const scree_shape* shape, support_key key, const scree_jobs* jobs,
+                                           const scree_allocator* allocator);
+void scree_rt_support_mesh_drop(support_mesh* grid); /* NULL is allowed */
 
 #endif

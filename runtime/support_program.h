@@ -103,6 +103,7 @@ typedef struct support_op {
     struct {
       op_frame frame;
       const support_height* grid;
+      float middle, half; /* the layer is |y - height - middle| <= half */
     } height;
     struct {
       op_frame frame;
@@ -113,6 +114,9 @@ typedef struct support_op {
       scree_distance_fn distance;
       void* user;
       float min[3], max[3]; /* in the leaf's own space */
+      float lipschitz;      /* as it was stated */
+      uint32_t shape;       /* for messages */
+      const scree_log* log; /* the support's */
     } callback;
     struct {
       op_frame frame;                      /* in units of the largest radius */
@@ -167,13 +171,14 @@ struct scree_support {
   scree_allocator allocator;
   double origin[3];
   double min[3], max[3]; /* root's space; min > max where nothing is inside */
-  double magnitude;      /* no coordinate or length of the program is larger; scales the margins for rounding */
-  support_op* ops;       /* op_count + 1: the last is OP_NEGATE */
-  uint16_t* program;     /* op_count: 0, 1, 2, ... */
+  scree_log log;
+  double magnitude;  /* no coordinate or length of the program is larger; scales the margins for rounding */
+  support_op* ops;   /* op_count + 1: the last is OP_NEGATE */
+  uint16_t* program; /* op_count: 0, 1, 2, ... */
   uint32_t op_count, op_capacity;
-  support_height* heights; /* one for each heightfield shape */
+  support_height** heights; /* one for each heightfield shape */
   uint32_t height_count;
-  support_mesh* meshes; /* one for each mesh shape */
+  support_mesh** meshes; /* one for each mesh shape */
   uint32_t mesh_count;
   float* tables; /* of extrusions and blobs */
   size_t table_length;
@@ -189,7 +194,9 @@ void scree_rt_support_evaluate_plain(const support_op* ops, const uint16_t* prog
 /* How fast the support's distance can change, whatever the tree. */
 double scree_rt_support_lipschitz(const scree_support* support);
 
-/* Checks every shape, names what is wrong. */
+/* Checks every shape, names what is wrong. What is in the arrays of a heightfield or mesh is checked apart, so that it need not be
+ * where a grid is there already. */
 scree_result scree_rt_support_check(const scree_support_desc* desc, scree_error* error);
+scree_result scree_rt_support_check_content(const scree_shape* shape, uint32_t index, scree_error* error);
 
 #endif

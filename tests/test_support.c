@@ -164,7 +164,7 @@ static void heightfield_is_a_layer_between_two_surfaces(void** state) {
       if (fabs(vertical) < 1e-4 || fabs(side) < 1e-4) continue;
       assert_true((found < 0) == (vertical < 0));
       assert_true(fabs(found) <= fabs(larger(vertical, side)) + 1e-4);
-      double slope_scale = (double)support->heights[0].cosine;
+      double slope_scale = (double)support->heights[0]->cosine;
       if (found > side + 1e-4) assert_true(fabs(found - vertical * slope_scale) < 1e-4);
     }
     scree_support_destroy(support);
@@ -402,7 +402,7 @@ static scree_shape knot(float* positions, uint32_t* indices) {
 static void check_mesh_grid(const scree_shape* shape, int points) {
   random_stream r = {8};
   scree_support* support = one_shape(shape);
-  const support_mesh* g = &support->meshes[0];
+  const support_mesh* g = support->meshes[0];
   double step = (double)g->step;
   int by_surface = 0, inside = 0;
   for (int i = 0; i < points; ++i) {
@@ -442,7 +442,7 @@ static void mesh_distance_keeps_the_bounds_of_its_bricks(void** state) {
   uint32_t indices[6 * TUBE_RINGS * TUBE_SIDES];
   scree_shape shape = knot(positions, indices);
   scree_support* support = one_shape(&shape);
-  const support_mesh* g = &support->meshes[0];
+  const support_mesh* g = support->meshes[0];
   random_stream r = {12};
   int smooth = 0;
   for (int i = 0; i < 20000; ++i) {
@@ -508,7 +508,7 @@ static void every_worker_builds_the_same_mesh_grid(void** state) {
   scree_support* serial = one_shape(&shape);
   scree_support* shared =
       must_create(&(scree_support_desc){.shapes = &shape, .shape_count = 1, .jobs = {run_backwards, 3, &calls}});
-  const support_mesh *a = &serial->meshes[0], *b = &shared->meshes[0];
+  const support_mesh *a = serial->meshes[0], *b = shared->meshes[0];
   assert_true(calls > 0);
   assert_memory_equal(a->size, b->size, sizeof a->size);
   assert_memory_equal(a->samples, b->samples, sizeof *a->samples * a->size[0] * a->size[1] * a->size[2]);

@@ -45,8 +45,9 @@ typedef struct scree_transform {
 /* Signed distances of `count` points in the shape's own space, metres, negative inside; x, y, z and distance have `count` elements,
  * count is at most 64 and points may repeat. Must be a pure function of each point by itself and may be called from several
  * threads. |f(p) - f(q)| <= lipschitz * |p - q| must hold, but for rounding.
- * What is not a number counts as outside. A bound that does not hold loses rocks, nothing worse. Debug builds check every call:
- * they tell the support's log what is wrong, or stop the program if it has none. */
+ * What is not a number makes no rock appear: there the shape counts as outside, and as inside where a difference takes it away.
+ * Infinities are taken as they are. A bound that does not hold gives rocks too few or too many, nothing worse. Debug builds check
+ * every call: they tell the support's log what is wrong, or stop the program if it has none. */
 typedef void (*scree_distance_fn)(void* user, const float* x, const float* y, const float* z, float* distance, uint32_t count);
 
 /* The parameters of each kind, in the shape's own space. Lengths in metres. */
@@ -187,7 +188,8 @@ typedef struct scree_support_desc {
   double origin[3];           /* where the root's space lies in the world, metres; keep shapes within some kilometres of it */
   scree_jobs jobs;            /* used while mesh distance grids are built */
   const scree_support* reuse; /* NULL, or an earlier support: grids of meshes and heightfields that are the same are shared with it,
-                                 so that moving a shape beside a mesh costs nothing; either may be destroyed first */
+                                 so that moving a shape beside a mesh costs nothing; either may be destroyed first, on any thread.
+                                 A grid stays with the allocator it was made with */
   scree_log log;              /* told in debug builds when a callback breaks its promises */
 } scree_support_desc;
 
@@ -206,8 +208,10 @@ SCREE_API void scree_support_destroy(scree_support* support);
  */
 SCREE_API void scree_support_bounds(const scree_support* support, double min[3], double max[3]);
 
-/* The world box outside of which two supports have the same distances at all points where either is <= level metres, level >= 0:
- * what moving one shape of a tree touches. Where the trees are built alike, only shapes that differ count; otherwise all do.
+/* The world box outside of which two supports are alike to all who only look at distances within [-level, level], level >= 0: at
+ * each point outside, both have the same distance to the bit, or both more than level, or both less than -level. What moving one
+ * shape of a tree touches; pass the depth of a shell as level where there is one. Where the trees are built alike, only shapes that
+ * differ count; otherwise all do. Callbacks with the same function and user pointer are the same.
  * Returns false if nothing differs. Thread-safe; allocates nothing. */
 SCREE_API bool scree_support_changed_bounds(const scree_support* before, const scree_support* after, double level, double min[3],
                                             double max[3]);
