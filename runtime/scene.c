@@ -75,14 +75,6 @@ static bool copy_filters(const scree_scene* scene, scene_layer* layer) {
   return true;
 }
 
-/* Groups change no faster than the fastest of their leaves. */
-static double support_lipschitz(const scree_support* support) {
-  double fastest = 0;
-  for (uint32_t i = 0; i < support->op_count; ++i)
-    if (support->ops[i].kind < OP_UNION && (double)support->ops[i].lipschitz > fastest) fastest = (double)support->ops[i].lipschitz;
-  return fastest;
-}
-
 static bool make_layer(scree_scene* scene, const scree_scene_desc* desc, uint32_t index) {
   scene_layer* layer = &scene->layers[index];
   const scree_field* field = desc->layers[index].field;
@@ -95,7 +87,11 @@ static bool make_layer(scree_scene* scene, const scree_scene_desc* desc, uint32_
   double a = slope * (double)field->mean_radius_min, b = slope * (double)field->mean_radius_max;
   layer->level_low = a < b ? a : b;
   layer->level_high = a < b ? b : a;
-  layer->lipschitz = support_lipschitz(layer->given.support);
+  layer->lipschitz = scree_rt_support_lipschitz(layer->given.support);
+  for (uint32_t i = 0; i < layer->given.support->op_count; ++i) {
+    double doubt = (double)layer->given.support->ops[i].doubt;
+    if (doubt > layer->doubt) layer->doubt = doubt;
+  }
   layer->density = layer->given.density > 0 ? (double)layer->given.density : 1;
   layer->filtered = layer->density < 1 || layer->given.filter_count > 0;
   return copy_filters(scene, layer);

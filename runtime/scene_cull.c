@@ -28,7 +28,8 @@ double scree_rt_scene_floor(const scene_layer* layer, const int64_t low[3], cons
     if (to > largest) largest = to;
   }
   double cells = field->deepest_burial * 1.7320508075688774, level = layer->level_low < 0 ? -layer->level_low : 0;
-  return layer->lipschitz * (field->cell_size * cells + sqrt(stray2)) * 1.0001 + level + (largest + layer->reach) * 2e-5;
+  double rounding = (largest + layer->reach) * 2e-5;
+  return layer->lipschitz * ((field->cell_size * cells + sqrt(stray2)) * 1.0001 + rounding) + level + 2 * layer->doubt;
 }
 
 /* Marks the cells of the grid's cubes in which the field has no rock: they are full. */

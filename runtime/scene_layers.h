@@ -17,6 +17,7 @@ typedef struct scene_layer {
   double density;     /* share, filters apart */
   double level_low, level_high; /* rocks exist where the support's distance is at most something between these, metres */
   double lipschitz;             /* of the support */
+  double doubt;                 /* metres: what rounding may do to the support's distance, beyond a share of coordinates */
   bool filtered;                /* density or filters leave something out */
   size_t values;                /* copied samples of all its filters */
   float* samples;               /* NULL when there are none */

@@ -60,7 +60,7 @@ bool scree_rt_scene_cells_may_hold(const scene_layer* layer, const int64_t low[3
     if (fabs(to) > largest) largest = fabs(to);
   }
   scree_support_distance(support, &middle[0], &middle[1], &middle[2], &distance, 1);
-  return !((double)distance > layer->level_high + layer->lipschitz * sqrt(half2) * 1.00001 + largest * 8e-6);
+  return !((double)distance > layer->level_high + layer->lipschitz * (sqrt(half2) * 1.00001 + largest * 8e-6) + 2 * layer->doubt);
 }
 
 bool scree_rt_scene_may_hold(const scree_scene* scene, uint32_t layer, const double min[3], const double max[3]) {

@@ -101,10 +101,16 @@ static bool meets_an_earlier(const scene_twin* twin, uint32_t k, const twin_rock
 
 /* --- cells ----------------------------------------------------------------------------------------------------------------- */
 
+static bool is_looked_at(const twin_layer* layer, const int64_t cell[3]) {
+  for (int a = 0; a < 3; ++a)
+    if (cell[a] < layer->low[a] || cell[a] >= layer->high[a]) return false;
+  return true;
+}
+
 static size_t cell_index(const twin_layer* layer, const int64_t cell[3]) {
   size_t index = 0;
+  assert_true(is_looked_at(layer, cell));
   for (int a = 2; a >= 0; --a) {
-    assert_true(cell[a] >= layer->low[a] && cell[a] < layer->high[a]);
     index = index * (size_t)(layer->high[a] - layer->low[a]) + (size_t)(cell[a] - layer->low[a]);
   }
   return index;
@@ -141,7 +147,7 @@ static bool is_buried(const twin_layer* layer, const twin_rock* rock) {
   for (c[2] = rock->cell[2] - b; c[2] <= rock->cell[2] + b; ++c[2])
     for (c[1] = rock->cell[1] - b; c[1] <= rock->cell[1] + b; ++c[1])
       for (c[0] = rock->cell[0] - b; c[0] <= rock->cell[0] + b; ++c[0])
-        if (!layer->full[cell_index(layer, c)]) return false;
+        if (!is_looked_at(layer, c) || !layer->full[cell_index(layer, c)]) return false;
   return true;
 }
 

@@ -15,7 +15,7 @@
 
 enum { MAX_LAYERS = 4, IMAGE = 12, MAX_EDITS = 400 };
 
-static const double REACH = 20; /* of everything, metres from the middle */
+static const double REACH = 24; /* metres from the middle: nothing farther matters to what is asked */
 
 /* A random scene and everything it points at. */
 typedef struct world {
@@ -182,7 +182,11 @@ static scree_scene_query_desc random_question(const world* w, random_stream* r) 
     d.max[a] = p < q ? q : p;
   }
   if (random_below(r, 2)) d.layers = 1 + random_below(r, (1u << w->count) - 1);
-  if (random_below(r, 3) == 0) memset(d.min, 0, sizeof d.min), memset(d.max, 0, sizeof d.max);
+  double low[3], high[3];
+  scree_scene_bounds(w->scene, low, high);
+  bool small = true;
+  for (int a = 0; a < 3; ++a) small = small && low[a] > w->middle[a] - 16 && high[a] < w->middle[a] + 16;
+  if (small && random_below(r, 3) > 0) memset(d.min, 0, sizeof d.min), memset(d.max, 0, sizeof d.max);
   return d;
 }
 
@@ -209,6 +213,10 @@ static void query_equals_its_plain_twin(uint64_t seed, uint32_t layers, uint32_t
     }
     if (edits) {
       scree_scene_query_desc all = {.scene = w.scene};
+      for (int a = 0; a < 3; ++a) {
+        all.min[a] = w.middle[a] - 9;
+        all.max[a] = w.middle[a] + 9;
+      }
       scene_rocks rocks = ask_scene(&all, scratch);
       make_edits(&w, &r, &rocks);
       scene_rocks_free(&rocks);
