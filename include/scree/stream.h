@@ -32,8 +32,8 @@ typedef struct scree_stream_caps {
   uint32_t instances;    /* in blocks that are shown, those that fade in or out among them [1,048,576] */
   uint32_t blocks;       /* shown [16,384] */
   uint64_t mesh_bytes;   /* resident meshes, vertices and indices, as the host stores them [256 MiB] */
-  uint64_t upload_bytes; /* of one update: meshes, instances and runs of its events [8 MiB] */
-  uint32_t decodes;      /* meshes being decoded at once [16] */
+  uint64_t upload_bytes; /* of one update: meshes, instances and runs of its events; what is larger alone never comes in [8 MiB] */
+  uint32_t decodes;      /* meshes being decoded at once, and so the most that can come in in one update [64] */
   uint32_t builds;       /* blocks being built at once [64] */
   uint32_t events;       /* of one update [16,384] */
 } scree_stream_caps;
@@ -41,7 +41,7 @@ typedef struct scree_stream_caps {
 typedef struct scree_stream_desc {
   const scree_scene* scene; /* must outlive the stream, or the next scree_stream_set_scene */
   const scree_edits* edits; /* or NULL; see scree_stream_edited */
-  double view_distance;     /* metres, > 0: nothing farther is shown */
+  double view_distance;     /* metres, > 0: what is shown are the blocks whose box of home cells is nearer than that to a view */
   float max_error_pixels;   /* of meshes on the screen; 0 = 1 */
   float hysteresis;         /* share, >= 0; 0 = 0.1; see above */
   float fade_seconds;       /* of a change of level; 0 = none: at once */
@@ -53,11 +53,12 @@ typedef struct scree_stream_desc {
   scree_log log;
 } scree_stream_desc;
 
-/* Memory of a stream: about 64 bytes an instance, 512 a block, 96 an event, 48 for each level of each asset of each pack, and for
- * each decode the largest mesh of the packs; scree_stream_memory gives the exact sum for a descriptor. All of it is allocated here,
- * but for the scratch of builds, which grows with the densest block.
- * Returns SCREE_OK, INVALID_ARGUMENT, RANGE, CORRUPT, CAPACITY (mesh_bytes does not hold the coarsest levels of all assets; error
- * says how many bytes that takes) or OUT_OF_MEMORY. */
+/* Memory of a stream: 42 bytes an instance, about 530 a block, 128 an event, 24 for each level of each asset of each pack, for each
+ * decode twice the largest mesh of the packs, and the coarsest meshes of all packs, but no more than upload_bytes;
+ * scree_stream_memory gives the exact sum for a descriptor, 0 for a wrong one. All of it is allocated here, but for the scratch of
+ * builds, which grows with the densest block.
+ * Returns SCREE_OK, INVALID_ARGUMENT (also a field without a pack), RANGE, CORRUPT, CAPACITY (mesh_bytes does not hold the coarsest
+ * levels of all assets, or upload_bytes not the largest of them; error says how many bytes that takes) or OUT_OF_MEMORY. */
 SCREE_API scree_result scree_stream_create(const scree_stream_desc* desc, const scree_allocator* allocator, scree_stream** out,
                                            scree_error* error);
 SCREE_API size_t scree_stream_memory(const scree_stream_desc* desc);
@@ -82,8 +83,9 @@ typedef struct scree_stream_instance {
   uint32_t block;    /* slot of its block, below caps.blocks */
 } scree_stream_instance;
 
-/* Instances of one block that share a level. While they fade, both levels are drawn, dithered: level with the share that
- * scree_stream_fade gives, from_level with the rest. */
+/* Instances of one block that share a level; a block has at most SCREE_STREAM_RUNS. While they fade, both levels are drawn,
+ * dithered: level with the share that scree_stream_fade gives, from_level with the rest. */
+#define SCREE_STREAM_RUNS 8
 typedef struct scree_stream_run {
   uint32_t first, count; /* in the stream's array of instances */
   uint8_t level;         /* to be drawn */
@@ -103,7 +105,7 @@ typedef enum scree_event_kind {
 typedef struct scree_event_mesh {
   const scree_pack* pack;
   uint32_t asset, level;
-  uint32_t mesh;                /* the mesh's slot, stable while it is resident; below scree_stream_mesh_slots */
+  uint32_t mesh;                /* the mesh's slot: always the same while a layer uses the pack; below scree_stream_mesh_slots */
   const scree_vertex* vertices; /* IN only, valid until the next call with this stream */
   const uint16_t* indices;
   uint32_t vertex_count, index_count;
@@ -159,7 +161,7 @@ SCREE_API scree_result scree_stream_edited(scree_stream* stream, const scree_id*
 /* Waits for all background work; the next update delivers it. */
 SCREE_API void scree_stream_wait(scree_stream* stream);
 
-/* Mesh slots are numbered below this. */
+/* Mesh slots are numbered below this. It may grow when a scene brings packs. */
 SCREE_API uint32_t scree_stream_mesh_slots(const scree_stream* stream);
 
 typedef struct scree_stream_stats {
@@ -170,7 +172,7 @@ typedef struct scree_stream_stats {
   uint64_t triangles;                /* of all that is shown, at its levels */
   uint32_t decodes, builds;          /* under way */
   uint32_t coarser;                  /* instances drawn coarser than the rule says, for want of their mesh */
-  uint32_t degraded;                 /* blocks drawn as proxies, or not at all, because a cap binds */
+  uint32_t degraded;                 /* 0 unless a cap binds: blocks are drawn as proxies, or not at all, for want of room */
   bool complete;                     /* nothing is under way and nothing is missing */
 } scree_stream_stats;
 
