@@ -75,25 +75,29 @@ static bool copy_filters(const scree_scene* scene, scene_layer* layer) {
   return true;
 }
 
-static bool make_layer(scree_scene* scene, const scree_scene_desc* desc, uint32_t index) {
-  scene_layer* layer = &scene->layers[index];
-  const scree_field* field = desc->layers[index].field;
-  layer->given = desc->layers[index];
-  if (!keys_are_given(desc)) layer->given.key = (uint16_t)index;
-  for (int a = 0; a < 3; ++a) layer->offset[a] = field->origin[a] - scene->base[a];
+void scree_rt_scene_measure(scene_layer* layer, const double base[3]) {
+  const scree_field* field = layer->given.field;
+  const scree_support* support = layer->given.support;
+  for (int a = 0; a < 3; ++a) layer->offset[a] = field->origin[a] - base[a];
   layer->rock_radius = (double)field->max_radius * field->cell_size;
   layer->reach = (double)field->centroid_reach + layer->rock_radius;
   double slope = 1 - 2 * (layer->given.threshold > 0 ? (double)layer->given.threshold : 0.5);
   double a = slope * (double)field->mean_radius_min, b = slope * (double)field->mean_radius_max;
   layer->level_low = a < b ? a : b;
   layer->level_high = a < b ? b : a;
-  layer->lipschitz = scree_rt_support_lipschitz(layer->given.support);
-  for (uint32_t i = 0; i < layer->given.support->op_count; ++i) {
-    double doubt = (double)layer->given.support->ops[i].doubt;
-    if (doubt > layer->doubt) layer->doubt = doubt;
-  }
+  layer->lipschitz = scree_rt_support_lipschitz(support);
+  layer->doubt = 0;
+  for (uint32_t i = 0; i < support->op_count; ++i)
+    if ((double)support->ops[i].doubt > layer->doubt) layer->doubt = (double)support->ops[i].doubt;
   layer->density = layer->given.density > 0 ? (double)layer->given.density : 1;
   layer->filtered = layer->density < 1 || layer->given.filter_count > 0;
+}
+
+static bool make_layer(scree_scene* scene, const scree_scene_desc* desc, uint32_t index) {
+  scene_layer* layer = &scene->layers[index];
+  layer->given = desc->layers[index];
+  if (!keys_are_given(desc)) layer->given.key = (uint16_t)index;
+  scree_rt_scene_measure(layer, scene->base);
   return copy_filters(scene, layer);
 }
 

@@ -84,6 +84,15 @@ static inline bool looks_at_burial(const scene_question* q, uint32_t layer) {
   return q->visible && q->layers[layer].asked && q->scene->layers[layer].given.field->deepest_burial > 0;
 }
 
+/* What follows from a layer's field and support: offset, reach, levels and so on. */
+void scree_rt_scene_measure(scene_layer* layer, const double base[3]);
+
+/* One layer, with its burial where `visible`. Its rocks are q->ids and q->instances from q->layers[layer].first on; those outside
+ * of the range may be among them. */
+scree_result scree_rt_scene_answer(scene_question* q, const scree_scene* scene, const scree_edits* edits, uint32_t layer,
+                                   const int64_t low[3], const int64_t high[3], const double origin[3], bool visible, uint64_t most,
+                                   scree_scratch* scratch);
+
 /* Whether a layer can have rocks in a range of cells; true when in doubt. */
 bool scree_rt_scene_cells_may_hold(const scene_layer* layer, const int64_t low[3], const int64_t high[3]);
 

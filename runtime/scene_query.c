@@ -298,6 +298,16 @@ static void begin(scene_question* q, const scree_scene* scene, const scree_edits
   memset(q->layers, 0, scene->layer_count * sizeof *q->layers);
 }
 
+scree_result scree_rt_scene_answer(scene_question* q, const scree_scene* scene, const scree_edits* edits, uint32_t layer,
+                                   const int64_t low[3], const int64_t high[3], const double origin[3], bool visible, uint64_t most,
+                                   scree_scratch* scratch) {
+  begin(q, scene, edits, origin, visible, scratch);
+  q->most = most;
+  scree_rt_scene_ask(q, layer, low, high);
+  scree_result result = answer(q);
+  return result == SCREE_OK && looks_at_burial(q, layer) ? scree_rt_scene_cull(q, layer) : result;
+}
+
 static scree_result check(const scree_scene_query_desc* d, const scree_scratch* scratch) {
   if (d == NULL || d->scene == NULL || scratch == NULL) return SCREE_ERROR_INVALID_ARGUMENT;
   if ((d->flags & ~(uint32_t)SCREE_SCENE_VISIBLE) != 0) return SCREE_ERROR_INVALID_ARGUMENT;
@@ -349,11 +359,8 @@ typedef struct layer_visit {
 
 static scree_result visit_part(const layer_visit* v, const int64_t low[3], const int64_t high[3], uint64_t most) {
   const scree_scene_query_desc* d = v->desc;
-  begin(v->q, d->scene, d->edits, d->origin, (d->flags & SCREE_SCENE_VISIBLE) != 0, v->scratch);
-  v->q->most = most;
-  scree_rt_scene_ask(v->q, v->layer, low, high);
-  scree_result result = answer(v->q);
-  if (result == SCREE_OK && looks_at_burial(v->q, v->layer)) result = scree_rt_scene_cull(v->q, v->layer);
+  bool visible = (d->flags & SCREE_SCENE_VISIBLE) != 0;
+  scree_result result = scree_rt_scene_answer(v->q, d->scene, d->edits, v->layer, low, high, d->origin, visible, most, v->scratch);
   if (result == SCREE_OK) deliver(v->q, v->layer, v->sink);
   return result;
 }
@@ -444,7 +451,6 @@ scree_result scree_rt_scene_block(const scree_scene* scene, const scree_edits* e
                                   const scree_rock** rocks, uint64_t* count) {
   const scree_field* field = scene->layers[layer].given.field;
   scene_question q;
-  begin(&q, scene, edits, origin, visible, scratch);
   int64_t low[3], high[3];
   for (int a = 0; a < 3; ++a) {
     low[a] = (int64_t)cube_low[a] * field->cells_per_cube;
@@ -452,9 +458,7 @@ scree_result scree_rt_scene_block(const scree_scene* scene, const scree_edits* e
   }
   *rocks = NULL;
   *count = 0;
-  scree_rt_scene_ask(&q, layer, low, high);
-  scree_result result = answer(&q);
-  if (result == SCREE_OK && looks_at_burial(&q, layer)) result = scree_rt_scene_cull(&q, layer);
+  scree_result result = scree_rt_scene_answer(&q, scene, edits, layer, low, high, origin, visible, UINT64_MAX, scratch);
   if (result != SCREE_OK) return result;
   rock_sink sink = {scree_rt_scratch_reserve(scratch, SCRATCH_ROCKS, q.layers[layer].count + 1, sizeof(scree_rock)),
                     q.layers[layer].count, 0};
@@ -462,6 +466,50 @@ scree_result scree_rt_scene_block(const scree_scene* scene, const scree_edits* e
   deliver(&q, layer, &sink);
   *rocks = sink.rocks;
   *count = sink.count;
+  return SCREE_OK;
+}
+
+/* --- one rock -------------------------------------------------------------------------------------------------------------- */
+
+static bool has_rock(const scene_question* q, uint32_t layer, const scree_id* id) {
+  const layer_rocks* rocks = &q->layers[layer];
+  for (uint64_t i = rocks->first; i < rocks->first + rocks->count; ++i)
+    if (memcmp(q->ids[i].cube, id->cube, sizeof id->cube) == 0 && q->ids[i].local == id->local) return true;
+  return false;
+}
+
+scree_result scree_scene_find(const scree_scene* scene, const scree_edits* edits, scree_scratch* scratch, const scree_id* id,
+                              const double origin[3], scree_rock* rock, scree_rock_state* state) {
+  if (scene == NULL || scratch == NULL || id == NULL || origin == NULL || state == NULL) return SCREE_ERROR_INVALID_ARGUMENT;
+  for (int a = 0; a < 3; ++a)
+    if (!isfinite(origin[a])) return SCREE_ERROR_INVALID_ARGUMENT;
+  *state = SCREE_ROCK_UNKNOWN;
+  uint32_t layer = scree_scene_layer_of(scene, id->layer);
+  if (layer == UINT32_MAX) return SCREE_OK;
+  const scree_field* field = scene->layers[layer].given.field;
+  uint32_t code = scree_field_tile_code(field, id->cube), slot = scree_rt_field_slot(field, code, id->local);
+  if (slot == UINT32_MAX) return SCREE_OK;
+
+  int64_t low[3], high[3];
+  rock_cell(field, id, low);
+  for (int a = 0; a < 3; ++a) high[a] = low[a] + 1;
+  if (rock != NULL) {
+    for (int a = 0; a < 3; ++a) rock->position[a] = (float)((field->origin[a] - origin[a]) + field->cell_size * (double)low[a]);
+    rock->asset = field_slots(field, &field->tiles[code]).asset[slot];
+    rock->id = *id;
+  }
+  *state = SCREE_ROCK_OUTSIDE;
+  clamp_cells(field, low, high);
+  scene_question q;
+  begin(&q, scene, edits, origin, false, scratch);
+  scree_rt_scene_ask(&q, layer, low, high);
+  scree_result result = scree_rt_scene_gather(&q);
+  if (result != SCREE_OK || !has_rock(&q, layer, id)) return result;
+  *state = SCREE_ROCK_DROPPED;
+  result = scree_rt_scene_keep(&q);
+  if (result != SCREE_OK || !has_rock(&q, layer, id)) return result;
+  scree_edit edit = scree_edits_get(edits, id);
+  *state = edit == SCREE_EDIT_REMOVE ? SCREE_ROCK_REMOVED : edit == SCREE_EDIT_HIDE ? SCREE_ROCK_HIDDEN : SCREE_ROCK_EXISTS;
   return SCREE_OK;
 }
 

@@ -14,6 +14,7 @@ typedef enum scratch_use {
   SCRATCH_BUCKET_ROCKS,
   SCRATCH_CELLS,
   SCRATCH_ERODED,
+  SCRATCH_FAR,
   SCRATCH_ROCKS, /* what scree_rt_scene_block and scree_rt_scene_far deliver */
   /* of spatial questions */
   SCRATCH_SPATIAL_0,
