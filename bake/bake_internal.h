@@ -2,13 +2,13 @@
 #ifndef SCREE_BAKE_INTERNAL_H
 #define SCREE_BAKE_INTERNAL_H
 
-#include "rock_mesh.h"
+#include "rock_mask.h"
 
 typedef struct bake_worker {
   rock_worker rock;
   rock_mesher mesher;
   bool started;
-  double mesh_seconds, encode_seconds;
+  double mesh_seconds, encode_seconds, burial_seconds;
 } bake_worker;
 
 typedef struct bake_run {
@@ -34,8 +34,8 @@ void bake_end(bake_run* bake);
 /* The eroded field of one rock, in worker->rock. False when nothing is left of it. */
 bool bake_rock_field(bake_run* bake, bake_worker* worker, uint32_t cell, uint32_t seed);
 
-/* One rock, meshed and encoded. *out must be zeroed; it stays so when nothing is left of the rock. On failure the caller still
- * frees what *out owns. */
-scree_result bake_rock(bake_run* bake, bake_worker* worker, uint32_t cell, uint32_t seed, rock_record* out);
+/* One rock, meshed and encoded, and its mask. *out and *mask must be zeroed; they stay so when nothing is left of the rock. On
+ * failure the caller still frees what they own. */
+scree_result bake_rock(bake_run* bake, bake_worker* worker, uint32_t cell, uint32_t seed, rock_record* out, rock_mask* mask);
 
 #endif

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "bake_internal.h"
+#include "burial.h"
 #include "clock.h"
 #include "draco_encode.h"
 #include "lattice.h"
@@ -114,8 +115,13 @@ bool bake_rock_field(bake_run* bake, bake_worker* worker, uint32_t cell, uint32_
 typedef struct set_bake {
   bake_run* bake;
   const scree_bake_desc* desc;
-  rock_record* rocks; /* by slot: rocks that came out empty have no hull */
-  atomic_uint tiles_done;
+  rock_record* rocks;      /* by slot: rocks that came out empty have no hull */
+  rock_mask* masks;        /* by slot */
+  burial_count* burials;   /* by slot */
+  burial_scratch* burying; /* by worker, made when it is first needed */
+  const char* stage;       /* that runs now */
+  uint32_t jobs;           /* of all stages */
+  atomic_uint jobs_done;
   atomic_flag reporting; /* set while a worker is inside desc->progress; others do not wait, the next one reports */
   uint32_t reported;     /* guarded by it */
   atomic_int failure;    /* first scree_result that was not SCREE_OK */
@@ -148,7 +154,7 @@ static scree_result copy_contacts(const bake_run* bake, const rock_worker* worke
   return SCREE_OK;
 }
 
-scree_result bake_rock(bake_run* bake, bake_worker* worker, uint32_t cell, uint32_t seed, rock_record* out) {
+scree_result bake_rock(bake_run* bake, bake_worker* worker, uint32_t cell, uint32_t seed, rock_record* out, rock_mask* mask) {
   if (!bake_rock_field(bake, worker, cell, seed)) return SCREE_OK;
   const scree_recipe* recipe = &bake->recipe;
   double start = clock_seconds();
@@ -156,7 +162,6 @@ scree_result bake_rock(bake_run* bake, bake_worker* worker, uint32_t cell, uint3
   if (result != SCREE_OK) return result;
   out->cell = cell;
   out->seed = seed;
-  out->burial = SCREE_BURIAL_NEVER;
   rock_mass(&worker->mesher, 1.0f / (float)(recipe->lattice_steps * recipe->voxels_per_cell), out);
   int16_t hull[ROCK_MAX_HULL][3];
   const uint32_t hull_count = rock_hull(&worker->mesher, recipe->hull_vertices, hull);
@@ -175,8 +180,30 @@ scree_result bake_rock(bake_run* bake, bake_worker* worker, uint32_t cell, uint3
     result = (coarsest ? plain_encode : draco_encode)(&source, &bake->allocator, &out->lods[level]);
     out->lods[level].error = source.error;
   }
-  worker->encode_seconds += clock_seconds() - now;
+  start = clock_seconds();
+  worker->encode_seconds += start - now;
+  if (result == SCREE_OK) result = rock_mask_make(&worker->rock, &bake->allocator, mask);
+  worker->burial_seconds += clock_seconds() - start;
   return result;
+}
+
+static void fail(set_bake* set, scree_result result) {
+  atomic_store(&set->failure, (int)result);
+}
+
+static bool failed(set_bake* set) {
+  return atomic_load_explicit(&set->failure, memory_order_relaxed) != SCREE_OK;
+}
+
+/* One more job is done. */
+static void report_job(set_bake* set) {
+  const uint32_t done = atomic_fetch_add(&set->jobs_done, 1) + 1;
+  if (set->desc->progress == NULL || atomic_flag_test_and_set(&set->reporting)) return;
+  if (done > set->reported) {
+    set->reported = done;
+    if (!set->desc->progress(set->desc->progress_user, set->stage, (double)done / set->jobs)) fail(set, SCREE_ERROR_CANCELLED);
+  }
+  atomic_flag_clear(&set->reporting);
 }
 
 static void bake_tile(void* context, uint32_t tile, uint32_t worker_number) {
@@ -186,19 +213,55 @@ static void bake_tile(void* context, uint32_t tile, uint32_t worker_number) {
   for (uint32_t i = bake->tile_first[tile]; i < bake->tile_first[tile + 1]; ++i) {
     const uint32_t cell = bake->cells[i], first = bake->cell_rocks[cell], count = bake->cell_rocks[cell + 1] - first;
     for (uint32_t seed = 0; seed < count; ++seed) {
-      if (atomic_load_explicit(&set->failure, memory_order_relaxed) != SCREE_OK) return;
-      const scree_result result = bake_rock(bake, worker, cell, seed, &set->rocks[first + seed]);
-      if (result != SCREE_OK) atomic_store(&set->failure, (int)result);
+      if (failed(set)) return;
+      const scree_result result = bake_rock(bake, worker, cell, seed, &set->rocks[first + seed], &set->masks[first + seed]);
+      if (result != SCREE_OK) fail(set, result);
     }
   }
-  const uint32_t done = atomic_fetch_add(&set->tiles_done, 1) + 1;
-  if (set->desc->progress == NULL || atomic_flag_test_and_set(&set->reporting)) return;
-  if (done > set->reported) {
-    set->reported = done;
-    if (!set->desc->progress(set->desc->progress_user, "rocks", (double)done / TILES))
-      atomic_store(&set->failure, (int)SCREE_ERROR_CANCELLED);
+  report_job(set);
+}
+
+static void bury_tile(void* context, uint32_t tile, uint32_t worker_number) {
+  set_bake* set = context;
+  if (failed(set)) return;
+  const double start = clock_seconds();
+  burial_scratch* scratch = &set->burying[worker_number];
+  if (scratch->owners == NULL && burial_scratch_create(set->bake, scratch) != SCREE_OK) {
+    fail(set, SCREE_ERROR_OUT_OF_MEMORY);
+    return;
   }
-  atomic_flag_clear(&set->reporting);
+  burial_of_tile(set->bake, tile, set->masks, set->rocks, set->burials, scratch);
+  set->bake->workers[worker_number].burial_seconds += clock_seconds() - start;
+  report_job(set);
+}
+
+/* Everything that is made of rocks, into the records. */
+static scree_result bake_set(set_bake* set, const scree_jobs* jobs) {
+  bake_run* bake = set->bake;
+  set->rocks = scree_rt_allocate_zeroed(&bake->allocator, bake->slot_count, sizeof *set->rocks);
+  set->masks = scree_rt_allocate_zeroed(&bake->allocator, bake->slot_count, sizeof *set->masks);
+  set->burials = scree_rt_allocate_zeroed(&bake->allocator, bake->slot_count, sizeof *set->burials);
+  set->burying = scree_rt_allocate_zeroed(&bake->allocator, bake->worker_count, sizeof *set->burying);
+  if (set->rocks == NULL || set->masks == NULL || set->burials == NULL || set->burying == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
+  set->jobs = 2 * TILES;
+  set->stage = "rocks";
+  run_jobs(jobs, TILES, bake_tile, set);
+  set->stage = "burial";
+  if (!failed(set)) run_jobs(jobs, TILES, bury_tile, set);
+  for (uint32_t slot = 0; slot < bake->slot_count; ++slot) set->rocks[slot].burial = burial_of_rock(&set->burials[slot]);
+  return (scree_result)atomic_load(&set->failure);
+}
+
+static void free_set(set_bake* set) {
+  bake_run* bake = set->bake;
+  const scree_allocator* allocator = &bake->allocator;
+  for (uint32_t slot = 0; set->rocks != NULL && slot < bake->slot_count; ++slot) free_record(&set->rocks[slot], allocator);
+  for (uint32_t slot = 0; set->masks != NULL && slot < bake->slot_count; ++slot) rock_mask_free(&set->masks[slot], allocator);
+  for (uint32_t w = 0; set->burying != NULL && w < bake->worker_count; ++w) burial_scratch_destroy(bake, &set->burying[w]);
+  scree_rt_release(allocator, set->rocks, bake->slot_count, sizeof *set->rocks);
+  scree_rt_release(allocator, set->masks, bake->slot_count, sizeof *set->masks);
+  scree_rt_release(allocator, set->burials, bake->slot_count, sizeof *set->burials);
+  scree_rt_release(allocator, set->burying, bake->worker_count, sizeof *set->burying);
 }
 
 static void add_stage(scree_bake_report* report, const char* name, double seconds) {
@@ -215,18 +278,20 @@ static void fill_report(const set_bake* set, const rock_set* rocks, double secon
       report->lod_triangles[level] += rocks->rocks[r].lods[level].triangle_count;
   }
   for (uint32_t level = 0; level < rocks->lod_count; ++level) report->triangles += report->lod_triangles[level];
-  double stage[5] = {0};
+  double stage[6] = {0};
   for (uint32_t w = 0; w < set->bake->worker_count; ++w) {
     const bake_worker* worker = &set->bake->workers[w];
     for (int i = 0; i < 3; ++i) stage[i] += worker->rock.seconds[i];
     stage[3] += worker->mesh_seconds;
     stage[4] += worker->encode_seconds;
+    stage[5] += worker->burial_seconds;
   }
   add_stage(report, "voronoi", stage[0]);
   add_stage(report, "contacts", stage[1]);
   add_stage(report, "erosion", stage[2]);
   add_stage(report, "meshes", stage[3]);
-  add_stage(report, "draco", stage[4]);
+  add_stage(report, "encode", stage[4]);
+  add_stage(report, "burial", stage[5]);
   add_stage(report, "write", write_seconds);
   report->seconds = seconds;
 }
@@ -245,15 +310,10 @@ scree_result scree_bake_rocks(const scree_bake_desc* desc, uint8_t** bytes, size
 
   set_bake set = {.bake = &bake, .desc = desc};
   atomic_init(&set.failure, SCREE_OK);
-  atomic_init(&set.tiles_done, 0);
+  atomic_init(&set.jobs_done, 0);
   atomic_flag_clear(&set.reporting);
-  set.rocks = scree_rt_allocate_zeroed(&bake.allocator, bake.slot_count, sizeof *set.rocks);
   uint32_t* cell_first = scree_rt_allocate(&bake.allocator, (size_t)bake.cell_count + 1, sizeof *cell_first);
-  if (set.rocks == NULL || cell_first == NULL) result = SCREE_ERROR_OUT_OF_MEMORY;
-  if (result == SCREE_OK) {
-    run_jobs(&desc->jobs, TILES, bake_tile, &set);
-    result = (scree_result)atomic_load(&set.failure);
-  }
+  result = cell_first == NULL ? SCREE_ERROR_OUT_OF_MEMORY : bake_set(&set, &desc->jobs);
 
   char* recipe_text = NULL;
   size_t recipe_size = 0;
@@ -307,8 +367,7 @@ scree_result scree_bake_rocks(const scree_bake_desc* desc, uint8_t** bytes, size
     }
   }
   scree_rt_release(&bake.allocator, recipe_text, recipe_size, 1);
-  for (uint32_t slot = 0; set.rocks != NULL && slot < bake.slot_count; ++slot) free_record(&set.rocks[slot], &bake.allocator);
-  scree_rt_release(&bake.allocator, set.rocks, bake.slot_count, sizeof *set.rocks);
+  free_set(&set);
   scree_rt_release(&bake.allocator, cell_first, (size_t)bake.cell_count + 1, sizeof *cell_first);
   bake_end(&bake);
   return result;

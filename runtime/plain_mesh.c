@@ -35,6 +35,10 @@ bool scree_rt_plain_mesh_read(const uint8_t* blob, size_t blob_size, uint32_t ve
   return true;
 }
 
+int32_t scree_rt_plain_mesh_coordinate(const plain_mesh* mesh, uint32_t vertex, uint32_t axis) {
+  return mesh->base[axis] + (int32_t)number_at(mesh->positions, mesh->position_size, (size_t)vertex * 3 + axis);
+}
+
 /* Vertices whose normals are summed at once, on the stack: the runtime's smallest meshes need one pass, and none needs memory. */
 #define BATCH 128
 
@@ -59,9 +63,7 @@ static void add_normals(const plain_mesh* mesh, const scree_vertex* vertices, ui
 void scree_rt_plain_mesh_decode(const plain_mesh* mesh, scree_vertex* vertices, void* indices, uint32_t index_size) {
   for (uint32_t v = 0; v < mesh->vertex_count; ++v) {
     scree_vertex vertex = {.occlusion = mesh->occlusion[v]};
-    for (uint32_t axis = 0; axis < 3; ++axis)
-      vertex.position[axis] =
-          (int16_t)(mesh->base[axis] + (int32_t)number_at(mesh->positions, mesh->position_size, (size_t)v * 3 + axis));
+    for (uint32_t axis = 0; axis < 3; ++axis) vertex.position[axis] = (int16_t)scree_rt_plain_mesh_coordinate(mesh, v, axis);
     vertices[v] = vertex;
   }
   for (uint32_t first = 0; first < mesh->vertex_count; first += BATCH) {

@@ -23,6 +23,9 @@ typedef struct plain_mesh {
 bool scree_rt_plain_mesh_read(const uint8_t* blob, size_t blob_size, uint32_t vertex_count, uint32_t triangle_count,
                               plain_mesh* out);
 
+/* One coordinate of a vertex. */
+int32_t scree_rt_plain_mesh_coordinate(const plain_mesh* mesh, uint32_t vertex, uint32_t axis);
+
 /* Vertices with rebuilt normals, and indices of index_size (2 or 4) bytes. Allocates nothing. */
 void scree_rt_plain_mesh_decode(const plain_mesh* mesh, scree_vertex* vertices, void* indices, uint32_t index_size);
 

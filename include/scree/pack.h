@@ -85,8 +85,9 @@ typedef struct scree_asset {
   float outer_radius;     /* ball around the centroid that holds the rock */
   uint32_t contact_count; /* contacts with neighbours */
   uint32_t hull_vertices; /* vertices of the convex hull, 4..64 */
-  uint32_t burial;        /* b: the rock cannot be seen from outside while every rock of the (2b + 1)^3 cells round its own exists;
-                             1..SCREE_BURIAL_NEVER - 1, or SCREE_BURIAL_NEVER */
+  uint32_t burial; /* b: while every rock of the (2b + 1)^3 cells round its own exists, at most one in 1000 lines of sight from
+                      its surface gets past them, so that next to nobody sees it from outside; 1..SCREE_BURIAL_NEVER - 1, or
+                      SCREE_BURIAL_NEVER: no such b is known */
 } scree_asset;
 
 #define SCREE_BURIAL_NEVER 4
