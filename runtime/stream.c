@@ -228,9 +228,17 @@ static void add_support(touched_box* box, const scree_support* support) {
 
 /* What differs between two layers of the same field. */
 static void add_difference(touched_box* box, const scree_layer* before, const scree_layer* after) {
-  if (before->support == after->support && same_rules(before, after)) return;
-  add_support(box, before->support);
-  add_support(box, after->support);
+  if (!same_rules(before, after)) {
+    add_support(box, before->support);
+    add_support(box, after->support);
+    return;
+  }
+  if (before->support == after->support) return;
+  /* Thresholds below one half let rocks exist whose centroids are this far outside. */
+  double threshold = after->threshold == 0 ? 0.5 : (double)after->threshold;
+  double level = fmax(0, (1 - 2 * threshold) * (double)after->field->mean_radius_max);
+  double min[3], max[3];
+  if (scree_support_changed_bounds(before->support, after->support, level, min, max)) add_box(box, min, max);
 }
 
 static void touch_box(scree_stream* s, uint32_t layer, const touched_box* box, double reach) {
@@ -251,6 +259,8 @@ scree_result scree_stream_set_scene(scree_stream* s, const scree_scene* scene) {
   if (result != SCREE_OK) return result;
   scree_rt_stream_tasks_wait(s);
   const scree_scene* old = s->scene;
+  double reach = 0; /* of the layers before and after */
+  for (uint32_t i = 0; i < s->layer_count; ++i) reach = fmax(reach, s->layers[i].reach);
   uint32_t before = s->layer_count, after = scree_scene_layer_count(scene);
   uint64_t kept = 0;
   touched_box boxes[STREAM_LAYERS]; /* of what changes up to each layer: later ones give way to earlier ones */
@@ -271,7 +281,6 @@ scree_result scree_stream_set_scene(scree_stream* s, const scree_scene* scene) {
   if (result != SCREE_OK) return result;
   s->desc.scene = scene;
   ++s->touch;
-  double reach = 0;
   for (uint32_t i = 0; i < after; ++i) reach = fmax(reach, s->layers[i].reach);
   for (uint32_t i = 0; i < after; ++i)
     if (kept >> i & 1) touch_box(s, i, &boxes[i], reach);
@@ -291,7 +300,9 @@ scree_result scree_stream_edited(scree_stream* s, const scree_id* ids, uint32_t 
     memcpy(low, ids[k].cube, sizeof low);
     for (int a = 0; a < 3; ++a) high[a] = low[a] < INT32_MAX ? low[a] + 1 : low[a];
     scree_rt_scene_cubes_box(s->scene, layer, 0, low, high, box.min, box.max);
-    touch_box(s, layer, &box, s->layers[layer].reach);
+    /* Edits of a rock are seen by the burial of its neighbours, and by nothing else. */
+    const scree_field* field = s->layers[layer].field;
+    touch_box(s, layer, &box, ((double)field->deepest_burial + 1) * field->cell_size);
   }
   return SCREE_OK;
 }

@@ -68,6 +68,19 @@ static uint32_t run_count(const stream_build* build) {
   return runs;
 }
 
+/* Whether a build found what its node shows already. */
+static bool is_same(const scree_stream* s, const stream_node* node, const stream_build* build) {
+  if (!node->shown || node->block == STREAM_NONE) return false;
+  const stream_block* b = &s->blocks[node->block];
+  if (b->count != build->count) return false;
+  for (uint32_t i = 0; i < b->count; ++i) {
+    const scree_stream_instance *is = &s->instances[b->first + i], *was = &build->instances[i];
+    if (memcmp(is->position, was->position, sizeof is->position) != 0 || is->asset != was->asset || is->random != was->random)
+      return false;
+  }
+  return memcmp(s->ids + b->first, build->ids, b->count * sizeof *s->ids) == 0;
+}
+
 static void refuse(scree_stream* s, stream_node* node) {
   if (!node->refused) ++s->refused;
   node->refused = true;
@@ -83,6 +96,10 @@ void scree_rt_stream_take_build(scree_stream* s, stream_build* build) {
   node->refused = false;
   if (build->result != SCREE_OK || build->count == 0) {
     node->ready = true;
+    return;
+  }
+  if (is_same(s, node, build)) {
+    node->stale = false;
     return;
   }
   const scree_stream_caps* caps = &s->desc.caps;

@@ -1,0 +1,264 @@
+/* Streams whose scene and edits change: what is touched is built again, everything else stays to the bit. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* after the four above */
+#include <cmocka.h>
+
+#include "stream_host.h"
+#include "synthetic_field.h"
+
+enum { LAYERS = 3, BALLS = 6 };
+
+/* A scene of three layers of two packs, each of some balls that can be moved. */
+typedef struct changing_world {
+  uint8_t* bytes[2];
+  scree_pack* packs[2];
+  scree_field* fields[LAYERS];
+  scree_shape shapes[LAYERS][BALLS + 1];
+  scree_support* supports[LAYERS];
+  float density[LAYERS];
+  uint32_t layer_count;
+  scree_scene* scene;
+  scree_edits* edits;
+} changing_world;
+
+static scree_support* make_support(changing_world* w, uint32_t layer) {
+  scree_support_desc desc = {.shapes = w->shapes[layer], .shape_count = BALLS + 1};
+  scree_support* support;
+  assert_int_equal(scree_support_create(&desc, NULL, &support, NULL), SCREE_OK);
+  return support;
+}
+
+static scree_scene* make_scene(changing_world* w) {
+  scree_layer layers[LAYERS] = {{0}};
+  for (uint32_t k = 0; k < w->layer_count; ++k)
+    layers[k] = (scree_layer){.field = w->fields[k], .support = w->supports[k], .key = (uint16_t)(k + 1), .density = w->density[k]};
+  scree_scene_desc desc = {layers, w->layer_count};
+  scree_scene* scene;
+  assert_int_equal(scree_scene_create(&desc, NULL, &scene, NULL), SCREE_OK);
+  return scene;
+}
+
+static void world_make(changing_world* w, random_stream* r) {
+  static const uint32_t children[] = {1, 2, 3, 4, 5, 6};
+  memset(w, 0, sizeof *w);
+  for (uint32_t i = 0; i < 2; ++i) {
+    size_t size;
+    w->bytes[i] = stream_pack_make(false, 3, i + 1, &size);
+    assert_int_equal(scree_pack_open_memory(w->bytes[i], size, NULL, &w->packs[i]), SCREE_OK);
+  }
+  w->layer_count = LAYERS;
+  for (uint32_t k = 0; k < LAYERS; ++k) {
+    scree_field_desc field = {.pack = w->packs[k & 1], .seed = k, .cell_size = 0.8 + 0.2 * k, .origin = {3.0 * k, 0.5, 7}};
+    assert_int_equal(scree_field_create(&field, NULL, &w->fields[k]), SCREE_OK);
+    w->shapes[k][0] = (scree_shape){.kind = SCREE_SHAPE_UNION, .group = {children, BALLS, 0}};
+    for (uint32_t i = 1; i <= BALLS; ++i) {
+      w->shapes[k][i] = (scree_shape){.kind = SCREE_SHAPE_SPHERE, .sphere = {(float)random_in(r, 2, 5)}};
+      for (int a = 0; a < 3; ++a) w->shapes[k][i].transform.translation[a] = (float)random_in(r, -25, 25);
+    }
+    w->supports[k] = make_support(w, k);
+  }
+  w->scene = make_scene(w);
+  assert_int_equal(scree_edits_create(NULL, &w->edits), SCREE_OK);
+}
+
+static void world_free(changing_world* w) {
+  scree_scene_destroy(w->scene);
+  scree_edits_destroy(w->edits);
+  for (uint32_t k = 0; k < LAYERS; ++k) {
+    scree_support_destroy(w->supports[k]);
+    scree_field_destroy(w->fields[k]);
+  }
+  for (uint32_t i = 0; i < 2; ++i) {
+    scree_pack_close(w->packs[i]);
+    free(w->bytes[i]);
+  }
+}
+
+/* Hands a changed world to a stream; what was before is gone afterwards, as a game would do it. */
+static void hand_over(changing_world* w, stream_host* h, scree_support* old_support) {
+  scree_scene* scene = make_scene(w);
+  assert_int_equal(scree_stream_set_scene(h->stream, scene), SCREE_OK);
+  scree_scene_destroy(w->scene);
+  scree_support_destroy(old_support);
+  w->scene = scene;
+  h->desc.scene = scene;
+  host_use_scene(h, scene);
+}
+
+static void move_ball(changing_world* w, stream_host* h, random_stream* r) {
+  uint32_t layer = random_below(r, LAYERS);
+  for (int a = 0; a < 3; ++a) w->shapes[layer][1 + random_below(r, BALLS)].transform.translation[a] = (float)random_in(r, -25, 25);
+  scree_support* old = w->supports[layer];
+  w->supports[layer] = make_support(w, layer);
+  hand_over(w, h, old);
+}
+
+/* Sets or takes back the edits of some rocks that are shown. */
+static void edit_some(changing_world* w, stream_host* h, random_stream* r) {
+  scree_id ids[20];
+  uint32_t count = 0;
+  for (uint32_t i = 0; i < 200 && count < 20; ++i) {
+    uint32_t place = random_below(r, h->caps.instances);
+    if (h->owners[place] != 0) ids[count++] = h->ids[place];
+  }
+  scree_stream_wait(h->stream);
+  for (uint32_t i = 0; i < count; ++i)
+    assert_int_equal(scree_edits_set(w->edits, &ids[i], (scree_edit)random_below(r, 3)), SCREE_OK);
+  if (random_below(r, 8) == 0) {
+    scree_edits_clear(w->edits);
+    count = 0;
+  }
+  if (count > 0 || scree_edits_count(w->edits) == 0) assert_int_equal(scree_stream_edited(h->stream, ids, count), SCREE_OK);
+}
+
+static scree_stream_desc describe(const changing_world* w) {
+  return (scree_stream_desc){.scene = w->scene,
+                             .edits = w->edits,
+                             .view_distance = 28,
+                             .max_error_pixels = 3,
+                             .caps = {.instances = 40000, .blocks = 600},
+                             .decode = stream_decode_pattern};
+}
+
+static void changes_end_in_the_truth(void** state) {
+  (void)state;
+  random_stream r = {17};
+  changing_world w;
+  world_make(&w, &r);
+  for (int round = 0; round < 3; ++round) {
+    scree_stream_desc desc = describe(&w);
+    desc.deterministic = round == 1;
+    desc.fade_seconds = round == 2 ? 0.05f : 0;
+    stream_host h;
+    host_create(&h, &desc, NULL);
+    scree_view view = host_view(0, 5, 0);
+    for (int i = 0; i < 100; ++i) {
+      uint32_t changes = random_below(&r, 3);
+      for (uint32_t k = 0; k < changes; ++k) {
+        if (random_below(&r, 2))
+          move_ball(&w, &h, &r);
+        else
+          edit_some(&w, &h, &r);
+        host_update(&h, &view, 1);
+      }
+      for (int a = 0; a < 3; ++a) view.position[a] = i % 20 ? view.position[a] + random_in(&r, -2, 2) : random_in(&r, -20, 20);
+      host_settle(&h, &view, 1, 500);
+      if (i % 10 == 0) host_check(&h);
+      host_check_truth(&h, &view, 1, true);
+    }
+    host_destroy(&h);
+  }
+  world_free(&w);
+}
+
+static void layers_come_and_go(void** state) {
+  (void)state;
+  random_stream r = {23};
+  changing_world w;
+  world_make(&w, &r);
+  scree_stream_desc desc = describe(&w);
+  stream_host h;
+  host_create(&h, &desc, NULL);
+  scree_view view = host_view(0, 5, 0);
+  for (int i = 0; i < 60; ++i) {
+    w.layer_count = 1 + random_below(&r, LAYERS);
+    for (uint32_t k = 0; k < LAYERS; ++k) w.density[k] = random_below(&r, 3) ? 1 : 0.5f;
+    hand_over(&w, &h, NULL);
+    for (uint32_t k = random_below(&r, 4); k > 0; --k) host_update(&h, &view, 1);
+    if (i % 3 != 0) continue;
+    host_settle(&h, &view, 1, 500);
+    host_check(&h);
+    host_check_truth(&h, &view, 1, true);
+    if (w.layer_count == 1) { /* what the other pack brought has gone */
+      for (uint32_t m = 0; m < h.mesh_slots; ++m) assert_true(!h.meshes[m].in || h.meshes[m].pack == w.packs[0]);
+    }
+  }
+  host_destroy(&h);
+  world_free(&w);
+}
+
+static void an_edit_sends_only_the_blocks_it_touches(void** state) {
+  (void)state;
+  random_stream r = {29};
+  changing_world w;
+  world_make(&w, &r);
+  scree_stream_desc desc = describe(&w);
+  desc.view_distance = 60;
+  stream_host h;
+  host_create(&h, &desc, NULL);
+  scree_view view = host_view(0, 5, 0);
+  host_settle(&h, &view, 1, 800);
+  uint32_t place = 0;
+  while (h.owners[place] == 0) ++place;
+  scree_id id = h.ids[place];
+  uint32_t slot = h.owners[place] - 1, sent = 0;
+  double at[3];
+  for (int a = 0; a < 3; ++a) at[a] = h.blocks[slot].origin[a] + (double)h.instances[place].position[a];
+  scree_stream_wait(h.stream);
+  assert_int_equal(scree_edits_set(w.edits, &id, SCREE_EDIT_REMOVE), SCREE_OK);
+  assert_int_equal(scree_stream_edited(h.stream, &id, 1), SCREE_OK);
+  for (int i = 0; i < 6; ++i) {
+    uint64_t before[5];
+    memcpy(before, h.counts, sizeof before);
+    host_block* blocks = malloc(h.caps.blocks * sizeof *blocks);
+    memcpy(blocks, h.blocks, h.caps.blocks * sizeof *blocks);
+    host_update(&h, &view, 1);
+    for (uint32_t k = 0; k < h.caps.blocks; ++k) {
+      if (memcmp(&blocks[k], &h.blocks[k], sizeof *blocks) == 0) continue;
+      ++sent;
+      for (int a = 0; a < 3; ++a) { /* not far from the rock */
+        assert_true(blocks[k].origin[a] + (double)blocks[k].min[a] - 12 <= at[a]);
+        assert_true(blocks[k].origin[a] + (double)blocks[k].max[a] + 12 >= at[a]);
+      }
+    }
+    free(blocks);
+  }
+  assert_true(sent > 0 && sent < h.shown_blocks / 3);
+  host_settle(&h, &view, 1, 200);
+  host_check_truth(&h, &view, 1, true);
+  host_destroy(&h);
+  world_free(&w);
+}
+
+static void a_scene_that_does_not_fit_changes_nothing(void** state) {
+  (void)state;
+  random_stream r = {31};
+  changing_world w;
+  world_make(&w, &r);
+  w.layer_count = 1;
+  scree_scene* small = make_scene(&w);
+  scree_stream_desc desc = describe(&w);
+  desc.scene = small;
+  desc.caps.mesh_bytes = 1700000; /* the coarsest levels of one pack */
+  stream_host h;
+  host_create(&h, &desc, NULL);
+  scree_view view = host_view(0, 5, 0);
+  host_settle(&h, &view, 1, 500);
+  assert_int_equal(scree_stream_set_scene(h.stream, w.scene), SCREE_ERROR_CAPACITY);
+  assert_int_equal(scree_stream_set_scene(h.stream, NULL), SCREE_ERROR_INVALID_ARGUMENT);
+  host_update(&h, &view, 1);
+  assert_int_equal(h.events, 0);
+  view.position[0] += 10;
+  host_settle(&h, &view, 1, 500);
+  host_check_truth(&h, &view, 1, false);
+  host_destroy(&h);
+  scree_scene_destroy(small);
+  world_free(&w);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(changes_end_in_the_truth),
+      cmocka_unit_test(layers_come_and_go),
+      cmocka_unit_test(an_edit_sends_only_the_blocks_it_touches),
+      cmocka_unit_test(a_scene_that_does_not_fit_changes_nothing),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
