@@ -154,7 +154,7 @@ static scree_result check_ellipsoid(checker* c, const scree_ellipsoid* e) {
     if (radius < smallest) smallest = radius;
     if (radius > largest) largest = radius;
   }
-  if (largest > 1000 * smallest) return refuse(c, SCREE_ERROR_RANGE, "ellipsoid.radii", "differ by more than a factor of 1000");
+  if (largest > 1000.001 * smallest) return refuse(c, SCREE_ERROR_RANGE, "ellipsoid.radii", "differ by more than a factor of 1000");
   return SCREE_OK;
 }
 

@@ -28,12 +28,29 @@ static void assert_refused(const scree_shape* shapes, uint32_t count, scree_resu
 static void wrong_numbers_are_refused_by_shape_and_field(void** state) {
   (void)state;
   const float heights[4] = {0, 1, 2, 3}, broken[4] = {0, 1, NAN, 3};
+  const float polygon[6] = {0, 0, 2, 0, 0, 2}, flat[6] = {0, 0, 1, 0, 2, 0}, broken_points[6] = {0, 0, NAN, 0, 0, 2};
+  const float path[6] = {0, 0, 0, 3, 1, 0}, stuck[9] = {0, 0, 0, 1, 1, 1, 1, 1, 1}, ring[9] = {0, 0, 0, 1, 1, 1, 0, 0, 0};
+  const float radii[3] = {1, 2, 1}, none[3] = {1, 0, 1};
   const scree_shape good[] = {{.kind = SCREE_SHAPE_SPHERE, .sphere = {1}},
                               {.kind = SCREE_SHAPE_BOX, .box = {{1, 2, 3}, 0}},
                               {.kind = SCREE_SHAPE_CAPSULE, .capsule = {{0, 0, 0}, {1, 0, 0}, 1}},
                               {.kind = SCREE_SHAPE_CYLINDER, .cylinder = {1, 2}},
                               {.kind = SCREE_SHAPE_CONE, .cone = {1, 2}},
-                              {.kind = SCREE_SHAPE_HEIGHTFIELD, .heightfield = {heights, 2, 2, 1, 0, 1}}};
+                              {.kind = SCREE_SHAPE_HEIGHTFIELD, .heightfield = {heights, 2, 2, 1, 0, 1}},
+                              {.kind = SCREE_SHAPE_ELLIPSOID, .ellipsoid = {{1, 2, 3}}},
+                              {.kind = SCREE_SHAPE_TORUS, .torus = {2, 1}},
+                              {.kind = SCREE_SHAPE_EXTRUSION, .extrusion = {polygon, 3, 0, 1}},
+                              {.kind = SCREE_SHAPE_TUBE, .tube = {path, radii, 2, false, 0, 0}},
+                              {.kind = SCREE_SHAPE_BLOBS, .blobs = {path, radii, 2}},
+                              {.kind = SCREE_SHAPE_PATTERN, .pattern = {SCREE_PATTERN_WAVES, 1, 0.2f, 0.1f, 2}},
+                              {.kind = SCREE_SHAPE_HALF_SPACE}};
+  for (size_t i = 0; i < sizeof good / sizeof good[0]; ++i) {
+    scree_support* made;
+    scree_error error;
+    if (scree_support_create(&(scree_support_desc){.shapes = &good[i], .shape_count = 1}, NULL, &made, &error) != SCREE_OK)
+      fail_msg("%s", error.message);
+    scree_support_destroy(made);
+  }
 #define REFUSED(index, change, result, part)           \
   do {                                                 \
     scree_shape s = good[index];                       \
@@ -69,6 +86,41 @@ static void wrong_numbers_are_refused_by_shape_and_field(void** state) {
   REFUSED(5, s.heightfield.spacing = 0, RANGE, "heightfield.spacing");
   REFUSED(5, s.heightfield.above = NAN, RANGE, "heightfield.above");
   REFUSED(5, s.heightfield.below = 0, RANGE, "heightfield.above + below is 0");
+  REFUSED(6, s.ellipsoid.radii[1] = 0, RANGE, "ellipsoid.radii[1] is 0");
+  REFUSED(6, s.ellipsoid.radii[2] = NAN, RANGE, "ellipsoid.radii[2] is not a number");
+  REFUSED(6, s.ellipsoid.radii[2] = 2000, RANGE, "ellipsoid.radii differ by more than a factor of 1000");
+  REFUSED(7, s.torus.radius = 0, RANGE, "torus.radius is 0");
+  REFUSED(7, s.torus.tube_radius = -1, RANGE, "torus.tube_radius is -1");
+  REFUSED(8, s.extrusion.points = NULL, INVALID_ARGUMENT, "extrusion.points is NULL");
+  REFUSED(8, s.extrusion.points = broken_points, RANGE, "extrusion.points[2] is not a number");
+  REFUSED(8, s.extrusion.points = flat, RANGE, "extrusion.points enclose no area");
+  REFUSED(8, s.extrusion.point_count = 2, RANGE, "extrusion.point_count is 2, expected 3 to 1024");
+  REFUSED(8, s.extrusion.point_count = 1025, RANGE, "extrusion.point_count is 1025");
+  REFUSED(8, s.extrusion.high = 0, RANGE, "extrusion.high is 0, expected more than extrusion.low");
+  REFUSED(8, s.extrusion.low = -INFINITY, RANGE, "extrusion.low is -infinity");
+  REFUSED(9, s.tube.points = NULL, INVALID_ARGUMENT, "tube.points is NULL");
+  REFUSED(9, s.tube.radii = NULL, INVALID_ARGUMENT, "tube.radii is NULL");
+  REFUSED(9, s.tube.point_count = 1, RANGE, "tube.point_count is 1, expected 2 to 256");
+  REFUSED(9, s.tube.point_count = 257, RANGE, "tube.point_count is 257");
+  REFUSED(9, s.tube.subdivisions = 33, RANGE, "tube.subdivisions is 33");
+  REFUSED(9, s.tube.half_height = -1, RANGE, "tube.half_height is -1");
+  REFUSED(9, s.tube.half_height = NAN, RANGE, "tube.half_height");
+  REFUSED(9, s.tube.radii = none, RANGE, "tube.radii[1] is 0");
+  REFUSED(9, (s.tube.points = broken_points), RANGE, "tube.points[2] is not a number");
+  REFUSED(9, (s.tube.points = stuck, s.tube.point_count = 3), RANGE, "tube.points[6]: the point is the same as the one before");
+  REFUSED(9, (s.tube.points = ring, s.tube.point_count = 3, s.tube.closed = true), RANGE, "tube.points[0]");
+  REFUSED(10, s.blobs.centres = NULL, INVALID_ARGUMENT, "blobs.centres is NULL");
+  REFUSED(10, s.blobs.radii = NULL, INVALID_ARGUMENT, "blobs.radii is NULL");
+  REFUSED(10, s.blobs.count = 0, RANGE, "blobs.count is 0, expected 1 to 256");
+  REFUSED(10, s.blobs.count = 257, RANGE, "blobs.count is 257");
+  REFUSED(10, s.blobs.radii = none, RANGE, "blobs.radii[1] is 0");
+  REFUSED(10, s.blobs.centres = broken_points, RANGE, "blobs.centres[2]");
+  REFUSED(11, s.pattern.kind = (scree_pattern_kind)3, INVALID_ARGUMENT, "pattern.kind 3 is not known");
+  REFUSED(11, s.pattern.spacing = 0, RANGE, "pattern.spacing is 0");
+  REFUSED(11, s.pattern.radius = -1, RANGE, "pattern.radius is -1");
+  REFUSED(11, s.pattern.amplitude = -1, RANGE, "pattern.amplitude is -1");
+  REFUSED(11, s.pattern.amplitude = 2001, RANGE, "pattern.amplitude is 2001");
+  REFUSED(11, s.pattern.wavelength = 0, RANGE, "pattern.wavelength is 0");
 #undef REFUSED
   scree_support* support;
   assert_int_equal(scree_support_create(NULL, NULL, &support, NULL), SCREE_ERROR_INVALID_ARGUMENT);
@@ -176,6 +228,23 @@ static void broken_trees_and_callbacks_are_refused(void** state) {
   shapes[0].group.children = children;
   shapes[0].kind = SCREE_SHAPE_SMOOTH_UNION;
   assert_refused(shapes, 3, SCREE_ERROR_RANGE, "group.blend is 0");
+  const scree_shape group = shapes[0];
+  scree_noise noise = {.child = 0, .amplitude = 1, .wavelength = 1};
+#define NOISE_REFUSED(change, result, part)                               \
+  do {                                                                    \
+    shapes[0] = (scree_shape){.kind = SCREE_SHAPE_NOISE, .noise = noise}; \
+    shapes[0].noise.child = 1;                                            \
+    change;                                                               \
+    assert_refused(shapes, 3, SCREE_ERROR_##result, part);                \
+  } while (0)
+  NOISE_REFUSED(shapes[0].noise.child = 0, INVALID_ARGUMENT, "noise.child is 0, expected a later shape");
+  NOISE_REFUSED(shapes[0].noise.child = 3, INVALID_ARGUMENT, "noise.child is 3, expected a later shape");
+  NOISE_REFUSED(shapes[0].noise.amplitude = 0, RANGE, "noise.amplitude is 0");
+  NOISE_REFUSED(shapes[0].noise.amplitude = 1001, RANGE, "noise.amplitude is more than 1000 times noise.wavelength");
+  NOISE_REFUSED(shapes[0].noise.wavelength = NAN, RANGE, "noise.wavelength is not a number");
+  NOISE_REFUSED(shapes[0].noise.octaves = 9, RANGE, "noise.octaves is 9");
+#undef NOISE_REFUSED
+  shapes[0] = group;
   shapes[2].sphere.radius = -1;
   shapes[0].group.blend = 1;
   assert_refused(shapes, 3, SCREE_ERROR_RANGE, "shape 2: sphere.radius");
@@ -209,6 +278,11 @@ static void broken_trees_and_callbacks_are_refused(void** state) {
   assert_refused(chain, DEEP + 1, SCREE_ERROR_RANGE, "nested more than 32 deep");
   for (uint32_t i = 0; i < DEEP; ++i) chain[i].group.child_count = 2;
   assert_refused(chain, DEEP + 1, SCREE_ERROR_RANGE, "has more than 4096 shapes");
+  float points[3 * 256], radii[256]; /* a tube counts once a piece */
+  for (int i = 0; i < 3 * 256; ++i) points[i] = (float)(i * i % 101);
+  for (int i = 0; i < 256; ++i) radii[i] = 1;
+  scree_shape tube = {.kind = SCREE_SHAPE_TUBE, .tube = {points, radii, 256, true, 32, 0}};
+  assert_refused(&tube, 1, SCREE_ERROR_RANGE, "shape 0: the tree below has more than 4096 shapes");
   chain[0] = (scree_shape){.kind = SCREE_SHAPE_UNION, .transform = {.scale = 1e6f}, .group = {next[0], 1, 0}};
   chain[1] = (scree_shape){.kind = SCREE_SHAPE_SPHERE, .transform = {.translation = {1e6f, 0, 0}}, .sphere = {1}};
   assert_refused(chain, 2, SCREE_ERROR_RANGE, "shape 1: lies more than 1e9 metres");
@@ -241,12 +315,23 @@ static void creating_survives_every_failed_allocation(void** state) {
   random_support ring, ground;
   random_leaf(&ring, &r, SCREE_SHAPE_MESH, 10);
   random_leaf(&ground, &r, SCREE_SHAPE_HEIGHTFIELD, 10);
-  const uint32_t children[3] = {1, 2, 2};
-  const scree_shape shapes[3] = {{.kind = SCREE_SHAPE_UNION, .group = {children, 3, 0}}, ring.shapes[0], ground.shapes[0]};
-  const scree_support_desc desc = {.shapes = shapes, .shape_count = 3};
+  random_support blobs, walls;
+  random_leaf(&blobs, &r, SCREE_SHAPE_BLOBS, 10);
+  random_leaf(&walls, &r, SCREE_SHAPE_EXTRUSION, 10);
+  const uint32_t children[6] = {1, 2, 2, 3, 4, 5};
+  const scree_shape shapes[6] = {{.kind = SCREE_SHAPE_UNION, .group = {children, 6, 0}},
+                                 ring.shapes[0],
+                                 ground.shapes[0],
+                                 blobs.shapes[0],
+                                 walls.shapes[0],
+                                 ground.shapes[0]};
+  scree_support_desc desc = {.shapes = shapes, .shape_count = 6};
+  scree_support* earlier = NULL; /* shares its grids in the last round */
+  assert_int_equal(scree_support_create(&desc, NULL, &earlier, NULL), SCREE_OK);
   synthetic_source source = synthetic_create(4, 1, 2, 1);
   const scree_field_desc field_desc = {.seed = 1, .cell_size = 1};
-  for (int what = 0; what < 2; ++what) {
+  for (int what = 0; what < 3; ++what) {
+    if (what == 2) desc.reuse = earlier;
     scree_result result = SCREE_ERROR_OUT_OF_MEMORY;
     int n = 0;
     for (; result != SCREE_OK; ++n) {
@@ -255,14 +340,14 @@ static void creating_survives_every_failed_allocation(void** state) {
       scree_support* support = NULL;
       scree_field* field = NULL;
       scree_error error;
-      result = what == 0 ? scree_support_create(&desc, &allocator, &support, &error)
+      result = what != 1 ? scree_support_create(&desc, &allocator, &support, &error)
                          : scree_rt_field_create_from_source(&field_desc, &source.source, &allocator, &field);
       if (result == SCREE_OK) {
         assert_true(memory.alive > 0);
       } else {
         assert_int_equal(result, SCREE_ERROR_OUT_OF_MEMORY);
         assert_true(support == NULL && field == NULL);
-        if (what == 0) assert_string_equal(error.message, "out of memory");
+        if (what != 1) assert_string_equal(error.message, "out of memory");
       }
       scree_support_destroy(support);
       scree_field_destroy(field);
@@ -270,6 +355,7 @@ static void creating_survives_every_failed_allocation(void** state) {
     }
     assert_true(n > 3);
   }
+  scree_support_destroy(earlier);
   synthetic_destroy(&source);
 }
 
