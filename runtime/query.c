@@ -81,7 +81,7 @@ static float rounding_margin(const query_run* run) {
 
 static void run_best(query_run* run, query_kernel kernel) {
 #ifdef SCREE_WIDE_KERNELS
-  if (kernel == QUERY_KERNEL_BEST && __builtin_cpu_supports("avx2")) {
+  if (kernel != QUERY_KERNEL_PLAIN && __builtin_cpu_supports("avx2")) {
     scree_rt_query_run_avx2(run);
     return;
   }
@@ -113,6 +113,7 @@ static scree_result run_prepared(query_run* run, query_kernel kernel, uint64_t* 
   run->margin = rounding_margin(run);
   run->relevant_low = run->floor - run->margin;
   run->relevant_high = run->offset_max + run->margin;
+  run->whole = kernel == QUERY_KERNEL_WHOLE;
   run_best(run, kernel);
   *count = run->count;
   return SCREE_OK;

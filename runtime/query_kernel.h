@@ -38,14 +38,16 @@ typedef struct query_run {
   float relevant_low, relevant_high; /* distances outside are all alike to the query */
   const cell_grid* deep;     /* or NULL: rocks below `floor` exist, are noted here, and are not delivered, but for those that
                                 no burial hides */
+  bool whole;                /* evaluate whole programs everywhere */
   scree_instance* instances; /* NULL: only count */
   scree_id* ids;             /* or NULL */
   uint64_t capacity;
   uint64_t count;
 } query_run;
 
-/* The bits of the answer are the same from all kernels. */
-typedef enum query_kernel { QUERY_KERNEL_BEST = 0, QUERY_KERNEL_PLAIN = 1 } query_kernel;
+/* The bits of the answer are the same from all kernels. WHOLE is the best one, without pruning: what pruning is measured against.
+ */
+typedef enum query_kernel { QUERY_KERNEL_BEST = 0, QUERY_KERNEL_PLAIN = 1, QUERY_KERNEL_WHOLE = 2 } query_kernel;
 
 /* scree_query_count and scree_query_fill with a chosen kernel. */
 scree_result scree_rt_query_count(const scree_query_desc* desc, query_kernel kernel, uint64_t* count);

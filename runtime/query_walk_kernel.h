@@ -627,7 +627,7 @@ static void visit_node(walk* w, const int64_t at[3], int64_t size, program_view 
   bool tested = false;
   program_view programs[PARTS];
   for (uint32_t c = 0; c < PARTS; ++c) /* before the children, who use the same scratch */
-    if (p.straddling >> c & 1) programs[c] = p.prunable >> c & 1 ? prune(w, program, c) : program;
+    if (p.straddling >> c & 1) programs[c] = (p.prunable >> c & 1) && !w->run->whole ? prune(w, program, c) : program;
   for (uint32_t c = 0; c < PARTS; ++c) {
     const node_side *x = &sides[0][c & 1], *y = &sides[1][c >> 1 & 1], *z = &sides[2][c >> 2];
     const int64_t low[3] = {x->low, y->low, z->low}, high[3] = {x->high, y->high, z->high};

@@ -13,6 +13,7 @@
 #include <scree/pack.h>
 
 #include "query_kernel.h"
+#include "random_support.h"
 #include "synthetic_field.h"
 
 enum { RUNS = 15, BALL_RINGS = 100, BALL_SIDES = 200, TERRAIN = 1024 };
@@ -232,6 +233,32 @@ static void mesh_shell(bench* b) {
   free(indices);
 }
 
+/* 500 shapes of all kinds in 50 clusters, groups and noise among them; the reference evaluates all of them everywhere. */
+static void tree_500(bench* b) {
+  const char* name = "query.tree_500";
+  if (!wanted(b, name)) return;
+  random_stream r = {500};
+  random_grove grove = random_grove_create(&r, 42, 25, 200);
+  scree_support* support;
+  scree_error error;
+  if (scree_support_create(&grove.desc, NULL, &support, &error) != SCREE_OK) die(error.message);
+  const scree_query_desc desc = {.field = b->field, .support = support, .flags = SCREE_QUERY_SHELL};
+  uint64_t count = 0, whole = 0;
+  double fast = time_query(b, &desc, &count), times[3];
+  for (int run = 0; run < 3; ++run) {
+    double start = seconds();
+    if (scree_rt_query_fill(&desc, QUERY_KERNEL_WHOLE, b->buffer, NULL, b->capacity, &whole) != SCREE_OK) die("the query failed");
+    times[run] = seconds() - start;
+  }
+  if (whole != count) die("pruning changes what is found");
+  report(name, (double)count / fast * 1e-6, "million instances/s", (double)count / median(times, 3) * 1e-6);
+  if (getenv("SCREE_BENCH_VERBOSE") != NULL)
+    fprintf(stderr, "%s: %u shapes, %.3f million instances, %.2f ms\n", name, grove.desc.shape_count, (double)count * 1e-6,
+            fast * 1e3);
+  scree_support_destroy(support);
+  random_grove_destroy(&grove);
+}
+
 /* --- brute force ----------------------------------------------------------------------------------------------------------- */
 
 /* Every rock of every cube from low to high - 1 along each axis, tested and kept or not. */
@@ -308,6 +335,7 @@ int main(int argc, char** argv) {
   heightfield_shell(&b);
   csg20_shell(&b);
   mesh_shell(&b);
+  tree_500(&b);
   vs_bruteforce(&b);
 
   free(b.buffer);

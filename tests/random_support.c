@@ -1,6 +1,7 @@
 #include "random_support.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* A wavy ball: 1-Lipschitz because the wave's slope is below 0.3 and the whole is divided by 1.3. */
@@ -81,7 +82,7 @@ static void fill_tube(float* points, float* radii, random_stream* r, scree_shape
   shape->tube.half_height = band ? (float)(size * random_in(r, 0.1, 0.5)) : 0;
 }
 
-static void fill_leaf(random_support* s, uint32_t leaf, random_stream* r, scree_shape* shape, scree_shape_kind kind, double reach) {
+static void fill_leaf(random_leaf_data* data, random_stream* r, scree_shape* shape, scree_shape_kind kind, double reach) {
   memset(shape, 0, sizeof *shape);
   shape->kind = kind;
   random_transform(r, &shape->transform, reach * 0.5);
@@ -115,8 +116,8 @@ static void fill_leaf(random_support* s, uint32_t leaf, random_stream* r, scree_
     case SCREE_SHAPE_HEIGHTFIELD: {
       uint32_t width = 2 + random_below(r, 22), depth = 2 + random_below(r, 22);
       double spacing = 2 * size / (width > depth ? width : depth), steep = random_in(r, 0.1, 1);
-      for (uint32_t i = 0; i < width * depth; ++i) s->data[leaf].heights[i] = (float)(random_in(r, 0, 1) * spacing * steep);
-      shape->heightfield.heights = s->data[leaf].heights;
+      for (uint32_t i = 0; i < width * depth; ++i) data->heights[i] = (float)(random_in(r, 0, 1) * spacing * steep);
+      shape->heightfield.heights = data->heights;
       shape->heightfield.width = width;
       shape->heightfield.depth = depth;
       shape->heightfield.spacing = (float)spacing;
@@ -125,9 +126,9 @@ static void fill_leaf(random_support* s, uint32_t leaf, random_stream* r, scree_
       break;
     }
     case SCREE_SHAPE_MESH:
-      square_ring(s->data[leaf].mesh_positions, s->mesh_indices, r, size);
-      shape->mesh.positions = s->data[leaf].mesh_positions;
-      shape->mesh.indices = s->mesh_indices;
+      square_ring(data->mesh_positions, data->mesh_indices, r, size);
+      shape->mesh.positions = data->mesh_positions;
+      shape->mesh.indices = data->mesh_indices;
       shape->mesh.vertex_count = 16;
       shape->mesh.triangle_count = 32;
       shape->mesh.resolution = 8 + random_below(r, 25);
@@ -141,15 +142,15 @@ static void fill_leaf(random_support* s, uint32_t leaf, random_stream* r, scree_
       shape->torus.radius = (float)(size * random_in(r, 0.4, 1));
       shape->torus.tube_radius = (float)(size * random_in(r, 0.1, 0.5));
       break;
-    case SCREE_SHAPE_EXTRUSION: fill_extrusion(s->data[leaf].points, r, shape, size); break;
-    case SCREE_SHAPE_TUBE: fill_tube(s->data[leaf].points, s->data[leaf].radii, r, shape, size); break;
+    case SCREE_SHAPE_EXTRUSION: fill_extrusion(data->points, r, shape, size); break;
+    case SCREE_SHAPE_TUBE: fill_tube(data->points, data->radii, r, shape, size); break;
     case SCREE_SHAPE_BLOBS:
       shape->blobs.count = 1 + random_below(r, 8);
-      shape->blobs.centres = s->data[leaf].points;
-      shape->blobs.radii = s->data[leaf].radii;
+      shape->blobs.centres = data->points;
+      shape->blobs.radii = data->radii;
       for (uint32_t i = 0; i < shape->blobs.count; ++i) {
-        for (uint32_t a = 0; a < 3; ++a) s->data[leaf].points[3 * i + a] = (float)random_in(r, -size, size);
-        s->data[leaf].radii[i] = (float)(size * random_in(r, 0.5, 1.5));
+        for (uint32_t a = 0; a < 3; ++a) data->points[3 * i + a] = (float)random_in(r, -size, size);
+        data->radii[i] = (float)(size * random_in(r, 0.5, 1.5));
       }
       break;
     case SCREE_SHAPE_PATTERN:
@@ -161,10 +162,10 @@ static void fill_leaf(random_support* s, uint32_t leaf, random_stream* r, scree_
       break;
     default:
       shape->kind = SCREE_SHAPE_CALLBACK;
-      s->data[leaf].wave[0] = (float)size;
-      s->data[leaf].wave[1] = (float)random_in(r, 0.2, 1);
+      data->wave[0] = (float)size;
+      data->wave[1] = (float)random_in(r, 0.2, 1);
       shape->callback.distance = wavy_ball;
-      shape->callback.user = s->data[leaf].wave;
+      shape->callback.user = data->wave;
       for (int a = 0; a < 3; ++a) {
         shape->callback.min[a] = (float)(-size * 1.0001);
         shape->callback.max[a] = (float)(size * 1.0001);
@@ -180,19 +181,20 @@ static scree_shape_kind any_kind(random_stream* r, bool with_mesh) {
 
 void random_leaf(random_support* s, random_stream* r, scree_shape_kind kind, double reach) {
   memset(&s->desc, 0, sizeof s->desc);
-  fill_leaf(s, 0, r, &s->shapes[0], kind < SCREE_SHAPE_UNION ? kind : any_kind(r, true), reach);
+  fill_leaf(&s->data[0], r, &s->shapes[0], kind < SCREE_SHAPE_UNION ? kind : any_kind(r, true), reach);
   s->desc.shapes = s->shapes;
   s->desc.shape_count = 1;
 }
 
 /* A tree in the making: shapes are made from the last to the first, leaves, then groups over shapes that have no parent yet. */
 typedef struct grower {
-  random_support* s;
+  scree_shape* shapes;
+  uint32_t* children;
   uint32_t next, used; /* the last shape made; children taken */
 } grower;
 
 static scree_shape* grow(grower* g, scree_shape_kind kind) {
-  scree_shape* shape = &g->s->shapes[--g->next];
+  scree_shape* shape = &g->shapes[--g->next];
   memset(shape, 0, sizeof *shape);
   shape->kind = kind;
   return shape;
@@ -200,7 +202,7 @@ static scree_shape* grow(grower* g, scree_shape_kind kind) {
 
 /* The shape that was made last, cut by a box. */
 static void cut(grower* g, double half) {
-  uint32_t* children = &g->s->children[g->used];
+  uint32_t* children = &g->children[g->used];
   children[0] = g->next;
   scree_shape* box = grow(g, SCREE_SHAPE_BOX);
   for (int a = 0; a < 3; ++a) box->box.half[a] = (float)half;
@@ -211,54 +213,112 @@ static void cut(grower* g, double half) {
   g->used += 2;
 }
 
-void random_tree(random_support* s, random_stream* r, uint32_t leaves, double reach) {
+static scree_shape_kind any_group(random_stream* r) {
   static const scree_shape_kind groups[] = {SCREE_SHAPE_UNION,      SCREE_SHAPE_UNION,        SCREE_SHAPE_INTERSECTION,
                                             SCREE_SHAPE_DIFFERENCE, SCREE_SHAPE_SMOOTH_UNION, SCREE_SHAPE_SMOOTH_UNION};
-  memset(&s->desc, 0, sizeof s->desc);
-  grower g = {s, RANDOM_MAX_SHAPES, 0};
-  uint32_t orphans[RANDOM_MAX_LEAVES], orphan_count = 0;
-  bool endless = false;
-  for (uint32_t i = 0; i < leaves; ++i) {
-    scree_shape_kind kind = any_kind(r, true);
-    fill_leaf(s, i, r, &s->shapes[--g.next], kind, reach);
-    if (kind == SCREE_SHAPE_HALF_SPACE || kind == SCREE_SHAPE_PATTERN) {
-      if (random_below(r, 3) > 0)
-        cut(&g, reach * random_in(r, 0.3, 1));
-      else
-        endless = true;
-    }
-    orphans[orphan_count++] = g.next;
-  }
+  return groups[random_below(r, 6)];
+}
+
+static bool is_endless(scree_shape_kind kind) {
+  return kind == SCREE_SHAPE_HALF_SPACE || kind == SCREE_SHAPE_PATTERN;
+}
+
+/* Displaces the shape that was made last. */
+static void displace(grower* g, random_stream* r, double reach) {
+  uint32_t child = g->next;
+  scree_shape* noise = grow(g, SCREE_SHAPE_NOISE);
+  random_transform(r, &noise->transform, reach * 0.1);
+  noise->noise = (scree_noise){.child = child,
+                               .amplitude = (float)(reach * random_in(r, 0.01, 0.1)),
+                               .wavelength = (float)(reach * random_in(r, 0.1, 0.8)),
+                               .octaves = random_below(r, 5),
+                               .seed = random_below(r, 1000)};
+}
+
+/* Groups of two to four orphans until one is left. */
+static void join(grower* g, random_stream* r, uint32_t* orphans, uint32_t orphan_count, double reach) {
   while (orphan_count > 1) {
     uint32_t take = 2 + random_below(r, 3);
     if (take > orphan_count) take = orphan_count;
-    scree_shape* group = grow(&g, groups[random_below(r, 6)]);
+    scree_shape* group = grow(g, any_group(r));
     random_transform(r, &group->transform, reach * 0.1);
-    group->group.children = &s->children[g.used];
+    group->group.children = &g->children[g->used];
     group->group.child_count = take;
     group->group.blend = (float)(reach * random_in(r, 0.02, 0.4));
     for (uint32_t k = 0; k < take; ++k) {
       uint32_t pick = random_below(r, orphan_count);
-      s->children[g.used++] = orphans[pick];
+      g->children[g->used++] = orphans[pick];
       orphans[pick] = orphans[--orphan_count];
     }
-    if (random_below(r, 4) == 0) {
-      uint32_t child = g.next;
-      scree_shape* noise = grow(&g, SCREE_SHAPE_NOISE);
-      random_transform(r, &noise->transform, reach * 0.1);
-      noise->noise = (scree_noise){.child = child,
-                                   .amplitude = (float)(reach * random_in(r, 0.01, 0.1)),
-                                   .wavelength = (float)(reach * random_in(r, 0.1, 0.8)),
-                                   .octaves = random_below(r, 5),
-                                   .seed = random_below(r, 1000)};
-    }
-    orphans[orphan_count++] = g.next;
+    if (random_below(r, 4) == 0) displace(g, r, reach);
+    orphans[orphan_count++] = g->next;
   }
+}
+
+/* The array starts at shape `next`: children count from there. */
+static void count_from_first(const grower* g, uint32_t end) {
+  for (uint32_t i = 0; i < g->used; ++i) g->children[i] -= g->next;
+  for (uint32_t i = g->next; i < end; ++i)
+    if (g->shapes[i].kind == SCREE_SHAPE_NOISE) g->shapes[i].noise.child -= g->next;
+}
+
+void random_tree(random_support* s, random_stream* r, uint32_t leaves, double reach) {
+  memset(&s->desc, 0, sizeof s->desc);
+  grower g = {s->shapes, s->children, RANDOM_MAX_SHAPES, 0};
+  uint32_t orphans[RANDOM_MAX_LEAVES];
+  bool endless = false;
+  for (uint32_t i = 0; i < leaves; ++i) {
+    scree_shape_kind kind = any_kind(r, true);
+    fill_leaf(&s->data[i], r, &s->shapes[--g.next], kind, reach);
+    bool uncut = is_endless(kind) && random_below(r, 3) == 0;
+    if (is_endless(kind) && !uncut) cut(&g, reach * random_in(r, 0.3, 1));
+    endless = endless || uncut;
+    orphans[i] = g.next;
+  }
+  join(&g, r, orphans, leaves, reach);
   if (endless) cut(&g, reach * 1.5);
-  /* The array starts at shape `next`: children count from there. */
-  for (uint32_t i = 0; i < g.used; ++i) s->children[i] -= g.next;
-  for (uint32_t i = g.next; i < RANDOM_MAX_SHAPES; ++i)
-    if (s->shapes[i].kind == SCREE_SHAPE_NOISE) s->shapes[i].noise.child -= g.next;
+  count_from_first(&g, RANDOM_MAX_SHAPES);
   s->desc.shapes = &s->shapes[g.next];
   s->desc.shape_count = RANDOM_MAX_SHAPES - g.next;
+}
+
+enum { CLUSTER_LEAVES = 7, CLUSTER_SHAPES = 5 * CLUSTER_LEAVES };
+
+random_grove random_grove_create(random_stream* r, uint32_t clusters, double reach, double spread) {
+  const uint32_t room = clusters * CLUSTER_SHAPES + 1;
+  random_grove grove = {.shapes = malloc(room * sizeof(scree_shape)),
+                        .children = malloc(2 * room * sizeof(uint32_t)),
+                        .data = malloc(clusters * CLUSTER_LEAVES * sizeof(random_leaf_data))};
+  uint32_t* roots = malloc(clusters * sizeof *roots);
+  if (grove.shapes == NULL || grove.children == NULL || grove.data == NULL || roots == NULL) abort();
+  grower g = {grove.shapes, grove.children, room, 0};
+  for (uint32_t c = 0; c < clusters; ++c) {
+    uint32_t orphans[CLUSTER_LEAVES];
+    for (uint32_t i = 0; i < CLUSTER_LEAVES; ++i) { /* every kind has its turn */
+      uint32_t index = c * CLUSTER_LEAVES + i;
+      scree_shape_kind kind = (scree_shape_kind)(index % (SCREE_SHAPE_PATTERN + 1));
+      fill_leaf(&grove.data[index], r, &grove.shapes[--g.next], kind, reach);
+      if (is_endless(kind)) cut(&g, reach * random_in(r, 0.3, 0.7));
+      orphans[i] = g.next;
+    }
+    join(&g, r, orphans, CLUSTER_LEAVES, reach);
+    for (int a = 0; a < 3; ++a)
+      grove.shapes[g.next].transform.translation[a] += (float)(random_in(r, -spread, spread) * (a == 1 ? 0.25 : 1));
+    roots[c] = g.next;
+  }
+  scree_shape* root = grow(&g, SCREE_SHAPE_UNION);
+  root->group.children = &g.children[g.used];
+  root->group.child_count = clusters;
+  for (uint32_t c = 0; c < clusters; ++c) g.children[g.used++] = roots[c];
+  count_from_first(&g, room);
+  free(roots);
+  grove.desc = (scree_support_desc){.shapes = &grove.shapes[g.next], .shape_count = room - g.next};
+  return grove;
+}
+
+void random_grove_destroy(random_grove* grove) {
+  free(grove->shapes);
+  free(grove->children);
+  free(grove->data);
+  memset(grove, 0, sizeof *grove);
 }

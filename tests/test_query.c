@@ -191,6 +191,43 @@ static void query_equals_its_plain_twin_for_hundreds_of_shapes(void** state) {
   }
 }
 
+/* Five hundred shapes of all kinds, with groups and noise. */
+static void query_equals_its_plain_twin_for_a_grove_of_all_shapes(void** state) {
+  (void)state;
+  random_stream r = {500};
+  for (uint32_t round = 0; round < 2; ++round) {
+    scene s = {0};
+    make_field(&s, &r, 5, 1, 1);
+    random_grove grove = random_grove_create(&r, 45, 5, 24);
+    assert_in_range(grove.desc.shape_count, 450, 650);
+    s.shapes.desc = grove.desc;
+    make_support(&s, &r);
+    double min[3], max[3], h = s.field_desc.cell_size;
+    int64_t low[3], high[3];
+    assert_true(scree_rt_support_level_bounds(s.support, 1, min, max));
+    for (int a = 0; a < 3; ++a) {
+      double offset = s.support->origin[a] - s.field_desc.origin[a];
+      low[a] = (int64_t)floor((offset + min[a]) / h) - 2;
+      high[a] = (int64_t)ceil((offset + max[a]) / h) + 2;
+    }
+    for (uint32_t kind = 0; kind < 3; ++kind) {
+      scree_query_desc d = {.field = s.field, .support = s.support, .flags = kind > 0};
+      d.threshold = kind == 2 ? 0.3f : 0;
+      found_rocks expected = twin_query(&d, &s.source.source, low, high);
+      const query_kernel kernels[] = {QUERY_KERNEL_BEST, QUERY_KERNEL_PLAIN, QUERY_KERNEL_WHOLE};
+      assert_true(expected.count > 500);
+      for (int k = 0; k < 3; ++k) {
+        found_rocks found = run_query(&d, kernels[k]);
+        assert_found_equal(&expected, &found);
+        found_free(&found);
+      }
+      found_free(&expected);
+    }
+    random_grove_destroy(&grove);
+    destroy_scene(&s);
+  }
+}
+
 /* Random cuts of a box into boxes, asked for in random order, find the whole and nothing twice. */
 static void union_of_any_partition_into_boxes_is_the_whole(void** state) {
   (void)state;
@@ -576,6 +613,7 @@ int main(void) {
       cmocka_unit_test(query_equals_its_plain_twin_for_random_trees),
       cmocka_unit_test(query_equals_its_plain_twin_where_many_rocks_are_in_doubt),
       cmocka_unit_test(query_equals_its_plain_twin_for_hundreds_of_shapes),
+      cmocka_unit_test(query_equals_its_plain_twin_for_a_grove_of_all_shapes),
       cmocka_unit_test(union_of_any_partition_into_boxes_is_the_whole),
       cmocka_unit_test(field_far_from_the_origin_is_the_same_field),
       cmocka_unit_test(origin_of_a_query_decides_positions_and_nothing_else),

@@ -270,7 +270,7 @@ static void reuse_does_not_skip_checks_of_what_is_new(void** state) {
   assert_non_null(strstr(error.message, "shape 2: heightfield.heights[3] is not a number"));
   make_shared(&s);
   s.desc.reuse = a;
-  s.ring.mesh_indices[4] = s.ring.mesh_indices[3];
+  s.ring.data[0].mesh_indices[4] = s.ring.data[0].mesh_indices[3];
   assert_int_equal(scree_support_create(&s.desc, NULL, &b, &error), SCREE_ERROR_INVALID_ARGUMENT);
   scree_support_destroy(a);
 }
