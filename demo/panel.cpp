@@ -400,6 +400,10 @@ void light_widgets(panel* p, panel_view* v) {
   changed |= ImGui::ColorEdit3("sky", scene->sky);
   changed |= ImGui::ColorEdit3("ground", scene->ground.colour);
   if (scene->ground.kind == SCENE_GROUND_PLANE) changed |= drag("ground height", &scene->ground.height, 0.02, -kLarge, kLarge);
+  if (scene->ground.kind == SCENE_GROUND_TERRAIN && scene->ground.water) {
+    changed |= ImGui::ColorEdit3("water", scene->ground.water_colour);
+    changed |= drag("water height", &scene->ground.water_height, 0.02, -kFar, kFar);
+  }
   if (changed) v->edit->unsaved = p->edited = true;
 }
 

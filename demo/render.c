@@ -22,6 +22,7 @@
 #define KIND_STONE (1u << 8)
 #define KIND_GROUND (2u << 8)
 #define KIND_TERRAIN (3u << 8)
+#define KIND_WATER (4u << 8)
 #define TAG_WIRE (1u << 4)
 
 /* Mirrors frame.glsl, std140: nothing but vectors of four. */
@@ -33,7 +34,7 @@ typedef struct frame_block {
   float size[4], jitter[4];
   float sun[4], sun_colour[4];
   float sky_zenith[4], sky_horizon[4], sky_haze[4], ground_colour[4];
-  float ground[4], occlusion[4], air[4];
+  float ground[4], water[4], occlusion[4], air[4];
   int32_t mode[4];
 } frame_block;
 
@@ -357,7 +358,8 @@ static void prepare_camera(render* r, const render_picture* p) {
   r->far_plane = fmaxf(40 * extent, 4000);
 
   f->ground[0] = p->ground_height;
-  f->ground[1] = p->ground ? 1 : 0;
+  f->ground[1] = p->ground && !p->water ? 1 : 0;
+  f->water[3] = p->ground && p->water ? 1 : 0;
   f->ground[2] = r->stone_count > 0 ? r->stone_size : 1;
   f->occlusion[0] = 2.4f * f->ground[2];
   f->occlusion[1] = 0.16f * (float)p->height;
@@ -382,6 +384,7 @@ static void prepare_sun(render* r, const render_picture* p) {
     f->sky_zenith[a] = sky[a] * sky[a] * sky[a]; /* the same hue, deeper */
     f->sky_haze[a] = 0.55f * sky[a] + 0.45f * grey;
     f->ground_colour[a] = p->ground_colour[a];
+    f->water[a] = p->water_colour[a];
   }
 
   r->cascade_count = 0;
@@ -612,7 +615,7 @@ static void draw_surfaces(render* r, const render_picture* p) {
   glUniform1ui(r->programs.solid_tags, KIND_TERRAIN);
   draw_solid(&r->terrain);
   if (p->ground) {
-    glUniform1ui(r->programs.solid_tags, KIND_GROUND);
+    glUniform1ui(r->programs.solid_tags, p->water ? KIND_WATER : KIND_GROUND);
     draw_solid(&r->ground);
   }
   if (p->wireframe) {
@@ -695,7 +698,8 @@ static bool same_picture(const render_picture* a, const render_picture* b) {
          a->wireframe == b->wireframe && a->shadows_off == b->shadows_off && a->draft == b->draft &&
          memcmp(a->sun, b->sun, sizeof a->sun) == 0 && memcmp(a->sun_colour, b->sun_colour, sizeof a->sun_colour) == 0 &&
          memcmp(a->sky, b->sky, sizeof a->sky) == 0 && memcmp(a->ground_colour, b->ground_colour, sizeof a->ground_colour) == 0 &&
-         a->ground == b->ground && a->ground_height == b->ground_height;
+         a->ground == b->ground && a->ground_height == b->ground_height && a->water == b->water &&
+         memcmp(a->water_colour, b->water_colour, sizeof a->water_colour) == 0;
 }
 
 scree_result render_draw(render* r, const render_picture* picture) {

@@ -82,6 +82,8 @@ typedef struct render_picture {
   float exposure;                 /* 0 = 1 */
   bool ground;                    /* a plane without end */
   float ground_height;            /* metres */
+  bool water;                     /* the plane is still water */
+  float water_colour[3];          /* linear, 0..1: of what is seen when looking straight down */
   float ground_colour[3];         /* linear, 0..1: the mean colour of plane and terrain */
   const render_segment* segments; /* drawn over the picture, dimmed where something hides them */
   uint32_t segment_count;

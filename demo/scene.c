@@ -26,6 +26,7 @@ void scene_init(scene_model* out) {
   set_colour(out->sky, 196, 212, 228);
   out->ground.kind = SCENE_GROUND_PLANE;
   set_colour(out->ground.colour, 124, 118, 96);
+  set_colour(out->ground.water_colour, 62, 84, 78);
   out->ground.map.spacing = 1;
   out->ground.map.high = 1;
 }

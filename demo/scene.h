@@ -55,6 +55,9 @@ typedef struct scene_ground {
   double height;        /* PLANE: y of the plane */
   scene_height_map map; /* TERRAIN */
   double position[3];   /* TERRAIN: where the centre of the map's height 0 lies */
+  bool water;           /* TERRAIN: there is water */
+  double water_height;  /* y of its surface */
+  float water_colour[3];
 } scene_ground;
 
 /* The colour of a stone is one of the base colours, darkened by at most `variation`, both chosen by its world hash. */

@@ -71,11 +71,22 @@ static bool read_sun(json_reader* r, const cJSON* value, scene_sun* out) {
   return !is_zero(out->direction) || json_fail(r, "direction", "expected a vector that is not zero");
 }
 
+static bool read_water(json_reader* r, const cJSON* ground, scene_ground* out) {
+  static const char* const keys[] = {"height", "colour", NULL};
+  const cJSON* water = cJSON_GetObjectItemCaseSensitive(ground, "water");
+  if (water == NULL) return true;
+  size_t before = json_enter_key(r, "water");
+  out->water = json_check_object(r, water, keys, NULL) && json_number(r, water, "height", any_place, &out->water_height) &&
+               json_colour(r, water, "colour", out->water_colour);
+  json_leave(r, before);
+  return out->water;
+}
+
 static bool read_ground(json_reader* r, const cJSON* value, scene_ground* out) {
   static const char* const any[] = {"kind", "colour", NULL};
   static const char* const none[] = {NULL};
   static const char* const plane[] = {"height", NULL};
-  static const char* const terrain[] = {"file", "spacing", "low", "high", "crop", "position", NULL};
+  static const char* const terrain[] = {"file", "spacing", "low", "high", "crop", "position", "water", NULL};
   char kind[16] = "plane";
   if (!cJSON_IsObject(value)) return json_fail_expected(r, NULL, "an object", value);
   if (!json_string(r, value, "kind", sizeof kind, kind)) return false;
@@ -95,7 +106,8 @@ static bool read_ground(json_reader* r, const cJSON* value, scene_ground* out) {
   if (!json_check_object(r, value, any, keys) || !json_colour(r, value, "colour", out->colour)) return false;
   if (out->kind == SCENE_GROUND_PLANE) return json_number(r, value, "height", any_place, &out->height);
   if (out->kind == SCENE_GROUND_NONE) return true;
-  return read_height_map(r, value, &out->map) && json_vector(r, value, "position", any_place, 3, out->position);
+  return read_height_map(r, value, &out->map) && json_vector(r, value, "position", any_place, 3, out->position) &&
+         read_water(r, value, out);
 }
 
 static bool read_palette(json_reader* r, const cJSON* value, scene_palette* out) {

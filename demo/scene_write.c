@@ -361,6 +361,17 @@ static void write_ground(text_buffer* t, const scene_ground* ground) {
     write_height_map(t, 2, &ground->map);
     end(t, false);
     vector_key(t, 2, "position", ground->position);
+    if (ground->water) {
+      end(t, false);
+      key(t, 2, "water");
+      buffer_add(t, "{\n");
+      number_key(t, 3, "height", ground->water_height);
+      end(t, false);
+      colour_key(t, 3, "colour", ground->water_colour);
+      end(t, true);
+      buffer_indent(t, 2);
+      buffer_add(t, "}");
+    }
   }
   end(t, true);
   buffer_indent(t, 1);

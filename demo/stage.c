@@ -202,8 +202,10 @@ void stage_light(const stage* s, render_picture* picture) {
     picture->sky[a] = scene_linear_from_srgb(scene->sky[a]);
     picture->ground_colour[a] = scene_linear_from_srgb(scene->ground.colour[a]);
   }
-  picture->ground = scene->ground.kind == SCENE_GROUND_PLANE;
-  picture->ground_height = (float)(scene->ground.height - s->origin[1]);
+  picture->water = scene->ground.kind == SCENE_GROUND_TERRAIN && scene->ground.water;
+  picture->ground = scene->ground.kind == SCENE_GROUND_PLANE || picture->water;
+  picture->ground_height = (float)((picture->water ? scene->ground.water_height : scene->ground.height) - s->origin[1]);
+  for (int a = 0; a < 3; ++a) picture->water_colour[a] = scene_linear_from_srgb(scene->ground.water_colour[a]);
 }
 
 /* --- Making --- */

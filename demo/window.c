@@ -421,7 +421,8 @@ static bool compose(viewer* v) {
          before.field_of_view != p->field_of_view || before.colour != p->colour || before.wireframe != p->wireframe ||
          memcmp(before.sun, p->sun, sizeof p->sun) != 0 || memcmp(before.sun_colour, p->sun_colour, sizeof p->sun_colour) != 0 ||
          memcmp(before.sky, p->sky, sizeof p->sky) != 0 ||
-         memcmp(before.ground_colour, p->ground_colour, sizeof p->ground_colour) != 0 || before.ground_height != p->ground_height;
+         memcmp(before.ground_colour, p->ground_colour, sizeof p->ground_colour) != 0 || before.ground_height != p->ground_height ||
+         memcmp(before.water_colour, p->water_colour, sizeof p->water_colour) != 0;
 }
 
 static void draw_scene(viewer* v, uint32_t width, uint32_t height) {

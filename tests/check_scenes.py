@@ -38,7 +38,7 @@ HEAD = {
     "camera": {"eye": [1, 2, 3], "target": [0, 0, 0], "fov": 50},
     "sun": {"direction": [0, 1, 0], "colour": "#ffffff"},
     "sky": "#8090a0",
-    "ground": {"kind": "terrain", "position": [1, 2, 3], "colour": "#000000", **MAP},
+    "ground": {"kind": "terrain", "position": [1, 2, 3], "colour": "#000000", **MAP, "water": {"height": 1, "colour": "#000000"}},
     "fields": [
         {
             "name": "f",

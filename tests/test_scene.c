@@ -22,7 +22,7 @@ static const char everything[] =
     "\"sun\": {\"direction\": [0.3, 1, 0], \"colour\": \"#fff0E0\"}, \"sky\": \"#8090a0\","
     "\"ground\": {\"kind\": \"terrain\", \"colour\": \"#102030\", \"file\": \"a/b.png\", \"spacing\": 30, \"low\": -5, \"high\": "
     "1000,"
-    " \"crop\": [1, 2, 30, 40], \"position\": [0, -300, 0]},"
+    " \"crop\": [1, 2, 30, 40], \"position\": [0, -300, 0], \"water\": {\"height\": 12.5, \"colour\": \"#203040\"}},"
     "\"fields\": [{\"name\": \"f\", \"pack\": \"boulders\", \"seed\": 9007199254740992, \"cell_size\": 0.6, \"origin\": [0.1, 0, "
     "0],"
     " \"threshold\": 0.25, \"shell\": false, \"palette\": {\"colours\": [\"#010203\", \"#aabbcc\"], \"variation\": 0.5},"
@@ -67,6 +67,7 @@ static void every_key_is_read(void** state) {
   assert_int_equal(scene.ground.kind, SCENE_GROUND_TERRAIN);
   assert_string_equal(scene.ground.map.file, "a/b.png");
   assert_true(scene.ground.map.low == -5 && scene.ground.map.crop[3] == 40 && scene.ground.position[1] == -300);
+  assert_true(scene.ground.water && scene.ground.water_height == 12.5 && scene.ground.water_colour[1] == 48 / 255.0f);
   assert_int_equal(scene.field_count, 2);
   const scene_field* field = &scene.fields[0];
   assert_true(field->seed == UINT64_C(9007199254740992) && field->cell_size == 0.6 && field->threshold == 0.25 && !field->shell);

@@ -182,6 +182,21 @@ static void as_many_rocks_as_allowed_are_delivered(void** state) {
   close_scene(&o);
 }
 
+static void support_without_end_is_refused(void** state) {
+  (void)state;
+  static const char* const shapes[] = {"{\"shape\": \"half_space\"}",
+                                       "{\"shape\": \"union\", \"children\": [{\"shape\": \"sphere\"}, {\"shape\": \"pattern\"}]}"};
+  for (size_t i = 0; i < 2; ++i) {
+    char text[256];
+    snprintf(text, sizeof text, "{\"fields\": [{\"pack\": \"one\", \"support\": %s}]}", shapes[i]);
+    opened o;
+    scree_error error = {""};
+    assert_int_equal(open_scene(&o, text, &error), SCREE_ERROR_RANGE);
+    assert_non_null(strstr(error.message, "fields[0].support: it has no end"));
+    close_scene(&o);
+  }
+}
+
 static void write_pack(const char* name, const test_pack_desc* desc) {
   char path[96];
   size_t size;
@@ -223,6 +238,7 @@ int main(void) {
       cmocka_unit_test(fields_of_one_pack_share_it),
       cmocka_unit_test(too_many_rocks_are_refused_without_counting_them),
       cmocka_unit_test(as_many_rocks_as_allowed_are_delivered),
+      cmocka_unit_test(support_without_end_is_refused),
   };
   return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

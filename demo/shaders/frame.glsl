@@ -17,6 +17,7 @@ layout(std140) uniform Frame {
   vec4 sky_haze;
   vec4 ground_colour;
   vec4 ground;               // x: height, y: 1 if there is one, z: size of its stones in metres
+  vec4 water;                // rgb: colour, w: 1 if the ground is water
   vec4 occlusion;            // x: radius in metres, y: largest radius in pixels, z: slices, w: strength
   vec4 air;                  // x: extinction per metre, y: exposure
   ivec4 mode;                // x: what colours a stone, y: samples accumulated, z: number of cascades in use
@@ -26,6 +27,7 @@ const uint KIND_SKY = 0u;
 const uint KIND_STONE = 1u;
 const uint KIND_GROUND = 2u;
 const uint KIND_TERRAIN = 3u;
+const uint KIND_WATER = 4u;
 
 // The tags of a pixel. x: hash. y: level of detail in bits 0..3, wireframe in 4, kind in 8..11, logarithm of the cell size in
 // 16..31. z: row of the stone + 1. w: sRGB colour in three bytes, code of the corner cube in the fourth.

@@ -39,6 +39,25 @@ Surface ground_surface(vec3 point, vec3 normal, float unit, float pixel) {
   vec3 albedo = mix(earth, green, 0.85 * grass);
   albedo *= max(1.0 + 0.36 * small + 0.30 * grain.w, 0.2);
 
+  // Where it is too steep for earth the rock shows: beds that run level, cracks that run down.
+  float cliff = smoothstep(0.74, 0.52, normal.y);
+  if (cliff > 0.0) {
+    vec3 p = point / unit;
+    float footprint = pixel / unit;
+    vec4 bend = noise(p * vec3(0.09, 0.0, 0.09) + 5.0, footprint * 0.09);
+    vec4 thick = noise(vec3(p.xz * 0.02, p.y * 0.33 + 0.9 * bend.x).xzy, footprint * 0.33);
+    vec4 thin = noise(vec3(p.xz * 0.05, p.y * 1.4 + 1.6 * bend.x).xzy, footprint * 1.4);
+    vec4 crack = noise(p * vec3(0.85, 0.035, 0.85) + 0.3 * bend.x, footprint * 0.85);
+    vec4 block = noise(MIX * p * 1.9, footprint * 1.9);
+    float joint = smoothstep(0.09, 0.0, abs(crack.x)) * smoothstep(-0.2, 0.3, thin.x) * (1.0 - smoothstep(0.1, 0.5, footprint));
+    vec3 rock = mean * mix(vec3(1.34, 1.12, 0.94), vec3(0.86, 0.68, 0.58), smoothstep(-0.35, 0.35, thick.x + 0.35 * thin.x));
+    rock *= (1.0 + 0.22 * thin.x + 0.16 * block.x + 0.25 * grain.w) * (1.0 - 0.30 * joint);
+    albedo = mix(albedo, rock, cliff);
+    vec3 relief = 0.20 * thick.yzw + 0.26 * thin.yzw + 0.22 * crack.yzw + 0.18 * (block.yzw * MIX);
+    slope = mix(slope, relief + 0.5 * grain.xyz, cliff);
+    grass *= 1.0 - cliff;
+  }
+
   Surface result;
   slope -= normal * dot(slope, normal);
   result.normal = normalize(normal - slope * mix(1.0, 1.5, grass));

@@ -33,6 +33,23 @@ float rough_diffuse(vec3 normal, vec3 view) {
   return max(dot(normal, sun.xyz), 0.0) * (1.0 / (1.0 + 0.287793 * SIGMA)) * (1.0 + SIGMA * s / max(t, 1e-3));
 }
 
+// Still water with ripples of two lengths.
+Surface water_surface(vec3 point, float pixel) {
+  vec3 slope = 0.020 * noise(point * 1.3, pixel * 1.3).yzw + 0.012 * (noise(MIX * point * 4.7, pixel * 4.7).yzw * MIX);
+  Surface result;
+  result.normal = normalize(vec3(0.0, 1.0, 0.0) - vec3(slope.x, 0.0, slope.z));
+  result.albedo = water.rgb;
+  result.cavity = 0.0;
+  return result;
+}
+
+// What water mirrors: the sky overhead, and what stands round it lower down.
+vec3 mirrored(vec3 direction, vec3 normal) {
+  vec3 way = reflect(direction, normal);
+  vec3 banks = ground_colour.rgb * (0.22 * sun_colour.rgb * max(sun.y, 0.0) + 0.35 * sky_horizon.rgb);
+  return mix(banks, sky_radiance(normalize(vec3(way.x, abs(way.y), way.z))), smoothstep(0.10, 0.60, way.y));
+}
+
 void main() {
   ivec2 texel = ivec2(gl_FragCoord.xy);
   float depth = texelFetch(depth_map, texel, 0).r;
@@ -55,7 +72,9 @@ void main() {
   uint kind = tag_kind(tags);
 
   Surface surface;
-  if (kind == KIND_STONE)
+  if (kind == KIND_WATER)
+    surface = water_surface(point, pixel);
+  else if (kind == KIND_STONE)
     surface = stone_surface(point, normal, tag_colour(tags), cell, tags.x, pixel);
   else
     surface = ground_surface(point, normal, clamp(ground.z, 0.25, 1.5), pixel);
@@ -86,6 +105,9 @@ void main() {
       float dirt = exp2(-6.0 * max(height, 0.0)) * 0.45;
       surface.albedo = mix(surface.albedo, ground_colour.rgb * 0.8, dirt);
     }
+    // Stones that stand in water are wet a hand above it.
+    else if (water.w > 0.5)
+      surface.albedo *= mix(0.50, 1.0, smoothstep(0.02, 0.16, (point.y - ground.x) / cell));
   }
 
   float turn = pixel_noise(gl_FragCoord.xy + 5.0, jitter.w);
@@ -99,6 +121,10 @@ void main() {
   vec3 bounced = max(vec3(ambient), ((ambient * a + b) * ambient + c) * ambient);
 
   vec3 colour = surface.albedo * (sun_colour.rgb * direct + (sky_light(surface.normal) + ground_light(surface.normal)) * bounced);
+  if (kind == KIND_WATER) {
+    float slant = 1.0 - clamp(dot(surface.normal, view), 0.0, 1.0);
+    colour = mix(colour, mirrored(direction, surface.normal) * mix(0.5, 1.0, open), 0.02 + 0.98 * slant * slant * slant * slant * slant);
+  }
   if (tag_wire(tags)) colour = mix(colour, vec3(0.02, 0.03, 0.04), 0.8);
   colour = through_air(colour, direction, distance_to_eye);
   radiance = vec4(min(colour, vec3(8.0)), 1.0);
