@@ -83,6 +83,7 @@ typedef struct scree_tasks {
   void* user;
 } scree_tasks;
 
+/* How bad it is. */
 typedef enum scree_log_level { SCREE_LOG_ERROR = 0, SCREE_LOG_WARNING = 1, SCREE_LOG_INFO = 2 } scree_log_level;
 
 /* Who hears what the library has to say. All zero means nobody. `message` is one line, NUL-terminated, gone after the call. May be

@@ -58,6 +58,7 @@ typedef struct scree_pack_info {
   size_t file_size;            /* bytes */
 } scree_pack_info;
 
+/* What the header of a pack says. Thread-safe. */
 SCREE_API void scree_pack_get_info(const scree_pack* pack, scree_pack_info* out);
 
 /* One section of the file, for tools that show what a pack is made of. */

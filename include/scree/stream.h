@@ -128,6 +128,7 @@ typedef struct scree_event_block {
   bool leaving;
 } scree_event_block;
 
+/* What has to be done; `kind` says which member holds. */
 typedef struct scree_event {
   scree_event_kind kind;
   union {
@@ -176,6 +177,7 @@ typedef struct scree_stream_stats {
   bool complete;                     /* nothing is under way and nothing is missing */
 } scree_stream_stats;
 
+/* What is shown as of the last update. */
 SCREE_API void scree_stream_get_stats(const scree_stream* stream, scree_stream_stats* out);
 
 /* The rock behind an instance that is shown, by its place in the stream's array: its layer, and its id; false for a proxy or a

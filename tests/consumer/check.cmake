@@ -1,6 +1,6 @@
 # cmake -DHOW=installed|shared|folder -DSCREE_SOURCE=... -DSCREE_BUILD=... -DWORK=... -DVERSION=... -DBAKER=0|1 -P check.cmake
 # Builds the consumer project against scree and runs it: against SCREE_BUILD installed, against a build of shared libraries
-# installed, or with scree as a folder, runtime only, which also prints the size of that library.
+# installed (both also build and run the program of docs/guide.md), or with scree as a folder, runtime only, which also prints the size of that library.
 function(run)
   execute_process(COMMAND ${ARGV} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
   if(NOT status EQUAL 0)
@@ -33,7 +33,7 @@ endif()
 run(${CMAKE_COMMAND} -S ${SCREE_SOURCE}/tests/consumer -B ${WORK}/build ${options})
 run(${CMAKE_COMMAND} --build ${WORK}/build -j 2)
 run(${WORK}/build/consumer)
-expect("scree ${VERSION}, success\n")
+expect("scree ${VERSION}, no scene: invalid argument\n")
 
 if(HOW STREQUAL "folder")
   file(GLOB_RECURSE library ${WORK}/build/libscree-runtime.*)
@@ -44,4 +44,18 @@ if(HOW STREQUAL "folder")
 elseif(BAKER)
   run(${WORK}/build/baker)
   expect("n = 6, number out of range; no pack: invalid argument\n")
+
+  # docs/guide.md, as the project that it describes.
+  include(${SCREE_SOURCE}/cmake/Snippets.cmake)
+  snippets(${SCREE_SOURCE}/docs/guide.md cmake project)
+  snippets(${SCREE_SOURCE}/docs/guide.md c program)
+  file(WRITE ${WORK}/guide/CMakeLists.txt "${project}")
+  file(WRITE ${WORK}/guide/main.c "${program}")
+  run(${CMAKE_COMMAND} -S ${WORK}/guide -B ${WORK}/guide/build ${options} -DCMAKE_C_FLAGS=-Wall\ -Wextra\ -Werror)
+  run(${CMAKE_COMMAND} --build ${WORK}/guide/build)
+  run(${SCREE_BUILD}/bin/scree-bake ${SCREE_SOURCE}/content/golden/small.json -o ${WORK}/guide/boulders.scree --quiet)
+  run(${CMAKE_COMMAND} -E chdir ${WORK}/guide build/game)
+  if(NOT output MATCHES "rocks on screen\n$")
+    message(FATAL_ERROR "the guide's program printed '${output}'")
+  endif()
 endif()
