@@ -129,6 +129,7 @@ static scree_result walk_layer(ray_walk* r, uint32_t index) {
     double to = t + length;
     if (to > r->limit) to = r->limit;
     if (to > end) to = end;
+    if (!(to > t) && t > 0) break; /* so far away that doubles do not count pieces any longer */
     uint64_t count = 0;
     const scree_result result = test_piece(r, index, first, t, to, &count);
     if (result != SCREE_OK) return result;

@@ -157,6 +157,121 @@ static double twin_distance(const points* a, const points* b) {
   return sqrt(best);
 }
 
+/* --- the twin of meeting for solid hulls of many points: all separating axes, in integers ---------------------------------------
+ */
+
+typedef struct axes {
+  ivec faces[4 * CONVEX_MAX_POINTS], edges[8 * CONVEX_MAX_POINTS];
+  uint32_t face_count, edge_count;
+} axes;
+
+static ivec i_at(const points* p, uint32_t i) {
+  return (ivec){p->at[i][0], p->at[i][1], p->at[i][2]};
+}
+
+/* Normals and edges of all triangles that have every point on one side. Points of which four lie in a face give triangles twice
+ * over, which is no harm, as long as they fit. */
+static bool find_axes(const points* p, axes* out) {
+  out->face_count = out->edge_count = 0;
+  for (uint32_t i = 0; i < p->count; ++i)
+    for (uint32_t j = i + 1; j < p->count; ++j)
+      for (uint32_t k = j + 1; k < p->count; ++k) {
+        const ivec a = i_at(p, i), b = i_at(p, j), c = i_at(p, k), n = i_cross(i_minus(b, a), i_minus(c, a));
+        bool above = false, below = false;
+        for (uint32_t l = 0; l < p->count && !(above && below); ++l) {
+          const int64_t height = i_dot(n, i_minus(i_at(p, l), a));
+          above = above || height > 0;
+          below = below || height < 0;
+        }
+        if (i_zero(n) || (above && below)) continue;
+        if (out->face_count == 4 * CONVEX_MAX_POINTS || out->edge_count + 3 > 8 * CONVEX_MAX_POINTS) return false;
+        out->faces[out->face_count++] = n;
+        out->edges[out->edge_count++] = i_minus(b, a);
+        out->edges[out->edge_count++] = i_minus(c, a);
+        out->edges[out->edge_count++] = i_minus(c, b);
+      }
+  return true;
+}
+
+static bool separates(ivec n, const points* p, const points* q) {
+  int64_t p_low = INT64_MAX, p_high = INT64_MIN, q_low = INT64_MAX, q_high = INT64_MIN;
+  for (uint32_t i = 0; i < p->count; ++i) {
+    const int64_t d = i_dot(n, i_at(p, i));
+    p_low = d < p_low ? d : p_low;
+    p_high = d > p_high ? d : p_high;
+  }
+  for (uint32_t i = 0; i < q->count; ++i) {
+    const int64_t d = i_dot(n, i_at(q, i));
+    q_low = d < q_low ? d : q_low;
+    q_high = d > q_high ? d : q_high;
+  }
+  return p_low > q_high || q_low > p_high;
+}
+
+static bool axes_meet(const points* p, const points* q, const axes* of_p, const axes* of_q) {
+  for (uint32_t i = 0; i < of_p->face_count; ++i)
+    if (separates(of_p->faces[i], p, q)) return false;
+  for (uint32_t i = 0; i < of_q->face_count; ++i)
+    if (separates(of_q->faces[i], p, q)) return false;
+  for (uint32_t i = 0; i < of_p->edge_count; ++i)
+    for (uint32_t j = 0; j < of_q->edge_count; ++j)
+      if (separates(i_cross(of_p->edges[i], of_q->edges[j]), p, q)) return false;
+  return true;
+}
+
+/* Points about on a ball, on the lattice that hulls of rocks have. */
+static points random_rock(random_stream* r, uint32_t count) {
+  points p = {.count = 0};
+  while (p.count < count) {
+    double v[3], length2 = 0, stretch[3] = {60, 45, 50};
+    for (int a = 0; a < 3; ++a) {
+      v[a] = random_in(r, -1, 1);
+      length2 += v[a] * v[a];
+    }
+    for (int a = 0; a < 3; ++a) v[a] *= stretch[a] / sqrt(length2 + 1e-9);
+    add_point(&p, (int32_t)v[0], (int32_t)v[1], (int32_t)v[2]);
+  }
+  return p;
+}
+
+static void hulls_of_rocks_meet_when_no_axis_separates_them(void** state) {
+  (void)state;
+  random_stream r = {7};
+  int counts[2] = {0, 0}, close = 0;
+  static axes of_p, of_q;
+  for (int i = 0; i < 150; ++i) {
+    points p = random_rock(&r, 8 + random_below(&r, 17)), q = random_rock(&r, 8 + random_below(&r, 17));
+    if (!find_axes(&p, &of_p) || !find_axes(&q, &of_q)) continue;
+    const convex_hull a = hull_of(&p);
+    double along[3], length2 = 0;
+    for (int k = 0; k < 3; ++k) {
+      along[k] = random_in(&r, -1, 1);
+      length2 += along[k] * along[k];
+    }
+    /* Closer and closer, a step at a time, so that the answer changes between two neighbours on the lattice. */
+    int32_t near_step = 0, far_step = 140;
+    while (far_step - near_step > 1) {
+      const int32_t step = (near_step + far_step) / 2;
+      points moved = {.count = 0};
+      for (uint32_t k = 0; k < q.count; ++k)
+        add_point(&moved, q.at[k][0] + (int32_t)(along[0] / sqrt(length2) * step),
+                  q.at[k][1] + (int32_t)(along[1] / sqrt(length2) * step), q.at[k][2] + (int32_t)(along[2] / sqrt(length2) * step));
+      const convex_hull b = hull_of(&moved);
+      const bool expected = axes_meet(&p, &moved, &of_p, &of_q);
+      assert_int_equal(scree_rt_convex_meet(&a, &b), expected);
+      assert_int_equal(scree_rt_convex_meet(&b, &a), expected);
+      ++counts[expected];
+      close += !expected && scree_rt_convex_distance(&a, &b) < 1;
+      if (expected) {
+        near_step = step;
+      } else {
+        far_step = step;
+      }
+    }
+  }
+  if (counts[0] < 200 || counts[1] < 200 || close < 30) fail_msg("%d apart, %d meet, %d close", counts[0], counts[1], close);
+}
+
 /* --- tests ------------------------------------------------------------------------------------------------------------------ */
 
 static void check_pair(const points* a, const points* b, int counts[2]) {
@@ -360,6 +475,7 @@ static void rays_hit_where_the_faces_say(void** state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(small_hulls_meet_when_they_do_in_integers),
+      cmocka_unit_test(hulls_of_rocks_meet_when_no_axis_separates_them),
       cmocka_unit_test(touching_and_flat_hulls_meet),
       cmocka_unit_test(boxes_meet_face_edge_and_corner_and_not_beyond),
       cmocka_unit_test(a_to_b_is_b_to_a_to_the_bit),
