@@ -75,3 +75,59 @@ uint64_t digest_convex(void) {
   }
   return digest;
 }
+
+/* Rays, overlaps and near rocks of two layers that overlap. */
+static uint64_t ask(const scree_scene* scene, scree_scratch* scratch) {
+  static scree_rock rocks[20000];
+  random_stream r = {3};
+  uint64_t digest = 0;
+  for (int i = 0; i < 100; ++i) {
+    double start[3], direction[3];
+    for (int a = 0; a < 3; ++a) {
+      start[a] = random_in(&r, -12, 12);
+      direction[a] = random_in(&r, -4, 4) - start[a];
+    }
+    bool found;
+    scree_hit hit;
+    memset(&hit, 0, sizeof hit);
+    if (scree_scene_ray_cast(scene, NULL, scratch, start, direction, 1e4, &found, &hit) != SCREE_OK) return 0;
+    if (found) digest = hash_combine(digest, scree_rt_pack_bytes_digest(&hit, sizeof hit));
+    float points[12];
+    for (int k = 0; k < 12; ++k) points[k] = (float)random_in(&r, -1, 1);
+    const scree_convex shape = {{start[0] / 3, start[1] / 3, start[2] / 3}, points, 4, 0.25f};
+    uint64_t count = 0;
+    if (scree_scene_overlap(scene, NULL, scratch, &shape, rocks, 20000, &count) != SCREE_OK) return 0;
+    digest = hash_combine(digest, scree_rt_pack_bytes_digest(rocks, (size_t)count * sizeof *rocks));
+    if (scree_scene_near(scene, NULL, scratch, shape.origin, 1, 1.5, start, rocks, 20000, &count) != SCREE_OK) return 0;
+    digest = hash_combine(digest, scree_rt_pack_bytes_digest(rocks, (size_t)count * sizeof *rocks));
+  }
+  return digest;
+}
+
+uint64_t digest_spatial(void) {
+  uint64_t digest = 0;
+  synthetic_source source = synthetic_create(4, 1, 2, 4);
+  synthetic_add_hulls(&source, 5, 3, 4);
+  scree_field* fields[2] = {NULL, NULL};
+  scree_support* supports[2] = {NULL, NULL};
+  scree_scene* scene = NULL;
+  scree_scratch* scratch = NULL;
+  bool good = scree_scratch_create(NULL, &scratch) == SCREE_OK;
+  for (int i = 0; i < 2 && good; ++i) {
+    const scree_field_desc desc = {.seed = 7 + (uint64_t)i, .cell_size = i == 0 ? 1 : 0.45, .origin = {i, 0.3, -i}};
+    const scree_shape ball = {
+        .kind = SCREE_SHAPE_SPHERE, .transform = {.translation = {(float)(3 * i), 0, 0}}, .sphere = {.radius = 4}};
+    good = scree_rt_field_create_from_source(&desc, &source.source, NULL, &fields[i]) == SCREE_OK &&
+           scree_support_create(&(scree_support_desc){.shapes = &ball, .shape_count = 1}, NULL, &supports[i], NULL) == SCREE_OK;
+  }
+  const scree_layer layers[2] = {{.field = fields[0], .support = supports[0]}, {.field = fields[1], .support = supports[1]}};
+  if (good && scree_scene_create(&(scree_scene_desc){layers, 2}, NULL, &scene, NULL) == SCREE_OK) digest = ask(scene, scratch);
+  scree_scene_destroy(scene);
+  for (int i = 0; i < 2; ++i) {
+    scree_support_destroy(supports[i]);
+    scree_field_destroy(fields[i]);
+  }
+  scree_scratch_destroy(scratch);
+  synthetic_destroy(&source);
+  return digest;
+}

@@ -1,4 +1,4 @@
-/* Digests of saved edits, and of what is decided about convex hulls. */
+/* Digests of saved edits, of what is decided about convex hulls, and of rays and overlaps. */
 #ifndef DIGEST_EDITS_H
 #define DIGEST_EDITS_H
 
@@ -8,5 +8,7 @@
 uint64_t digest_edits(void);
 
 uint64_t digest_convex(void);
+
+uint64_t digest_spatial(void);
 
 #endif

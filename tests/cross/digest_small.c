@@ -57,5 +57,6 @@ int main(void) {
   printf("queries %016" PRIx64 "\n", digest_queries());
   printf("edits %016" PRIx64 "\n", digest_edits());
   printf("convex %016" PRIx64 "\n", digest_convex());
+  printf("spatial %016" PRIx64 "\n", digest_spatial());
   return 0;
 }
