@@ -12,7 +12,7 @@
 #include "buffer.h"
 #include "file.h"
 #include "rock_export.h"
-#include "scene_world.h"
+#include "scene_live.h"
 #include "timer.h"
 
 static const char usage[] =
@@ -76,7 +76,7 @@ typedef struct scatter {
   const options* options;
   scene_model scene;
   scene_paths paths;
-  scene_world* world;
+  scene_live* world;
   scene_rocks rocks;
   scree_jobs jobs;
   rock_export* export;
@@ -88,7 +88,7 @@ typedef struct scatter {
 /* The rocks of a field as the exporter takes them. */
 static scree_result fill_layer(const scatter* s, rock_layer* layer, scree_instance** instances, uint32_t** hashes) {
   const size_t room = s->rocks.count > 0 ? (size_t)s->rocks.count : 1;
-  const scree_scene* scene = scene_world_scene(s->world);
+  const scree_scene* scene = scene_live_scene(s->world);
   *instances = malloc(room * sizeof **instances);
   *hashes = malloc(room * sizeof **hashes);
   if (*instances == NULL || *hashes == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
@@ -108,18 +108,18 @@ static scree_result add_field(scatter* s, uint32_t index) {
   const scene_field* field = &s->scene.fields[index];
   double start = timer_seconds();
   scree_pack_info info;
-  scree_pack_get_info(scene_world_pack(s->world, index), &info);
+  scree_pack_get_info(scene_live_pack(s->world, index), &info);
   if (s->options->lod >= info.lod_count)
     return fail_with(&s->error, SCREE_ERROR_RANGE, "%s: fields[%u]: --lod %u: the pack \"%s\" has the levels 0..%u",
                      s->options->scene, (unsigned)index, s->options->lod, field->pack, info.lod_count - 1);
   rock_layer layer = {.name = field->name[0] != '\0' ? field->name : field->pack,
-                      .pack = scene_world_pack(s->world, index),
+                      .pack = scene_live_pack(s->world, index),
                       .cell_size = field->cell_size,
                       .palette = &field->palette};
   /* Places are told from the support's own, so that they are exact wherever in the world it lies. */
   memcpy(layer.origin, field->support->position, sizeof layer.origin);
   const uint32_t flags = strcmp(s->options->rocks, "all") == 0 ? 0 : SCREE_SCENE_VISIBLE;
-  scree_result result = scene_world_query(s->world, index, layer.origin, flags, ROCKS_MOST, &s->rocks, &s->error);
+  scree_result result = scene_live_query(s->world, index, layer.origin, flags, ROCKS_MOST, &s->rocks, &s->error);
   if (result != SCREE_OK) return result;
   scree_instance* instances = NULL;
   uint32_t* hashes = NULL;
@@ -201,10 +201,10 @@ static int run(scatter* s) {
                            .jobs = s->jobs,
                            .progress = show_progress,
                            .user = &s->progress};
-  const scene_world_desc wanted = {.scene = &s->scene, .paths = s->paths, .jobs = s->jobs};
+  const scene_live_desc wanted = {.scene = &s->scene, .paths = s->paths, .jobs = s->jobs};
   result = rock_export_begin(&desc, &s->export, &s->error);
-  if (result == SCREE_OK) result = scene_world_create(&wanted, &s->world, &s->error);
-  if (result == SCREE_OK) result = scene_world_update_all(s->world, &s->error);
+  if (result == SCREE_OK) result = scene_live_create(&wanted, &s->world, &s->error);
+  if (result == SCREE_OK) result = scene_live_update_all(s->world, &s->error);
   for (uint32_t i = 0; i < s->scene.field_count && result == SCREE_OK; ++i) result = add_field(s, i);
   if (result != SCREE_OK) return finish(s, result, false);
   rock_export_stats stats;
@@ -262,7 +262,7 @@ int main(int argc, char** argv) {
   int status = result == SCREE_OK ? run(s) : finish(s, result, false);
   scree_threads_destroy(pool);
   rock_export_abort(s->export);
-  scene_world_destroy(s->world);
+  scene_live_destroy(s->world);
   scene_rocks_free(&s->rocks);
   scene_destroy(&s->scene);
   free(s->reports);

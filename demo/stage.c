@@ -19,7 +19,7 @@ typedef struct staged_field {
 
 struct stage {
   stage_desc desc;
-  scene_world* world;
+  scene_live* world;
   double origin[3];
   uint32_t sources[SCENE_FIELDS_MAX + 1]; /* of the renderer, by the world's slots of packs */
   staged_field fields[SCENE_FIELDS_MAX];
@@ -71,7 +71,7 @@ static scree_result query(stage* s, uint32_t index, scree_error* error) {
   staged_field* f = &s->fields[index];
   const scene_field* model = &s->desc.scene->fields[index];
   f->count = 0;
-  scree_result result = scene_world_query(s->world, index, s->origin, s->desc.flags, STAGE_STONES_MOST, &f->rocks, error);
+  scree_result result = scene_live_query(s->world, index, s->origin, s->desc.flags, STAGE_STONES_MOST, &f->rocks, error);
   if (result != SCREE_OK) return result;
   if (f->rocks.count > f->stones_room) {
     render_stone* stones = malloc((size_t)f->rocks.capacity * sizeof *stones);
@@ -80,9 +80,9 @@ static scree_result query(stage* s, uint32_t index, scree_error* error) {
     f->stones = stones;
     f->stones_room = f->rocks.capacity;
   }
-  const scree_scene* scene = scene_world_scene(s->world);
-  const scree_field* field = scene_world_field(s->world, index);
-  const uint16_t source = (uint16_t)s->sources[scene_world_pack_slot(s->world, index)];
+  const scree_scene* scene = scene_live_scene(s->world);
+  const scree_field* field = scene_live_field(s->world, index);
+  const uint16_t source = (uint16_t)s->sources[scene_live_pack_slot(s->world, index)];
   for (uint64_t i = 0; i < f->rocks.count; ++i) {
     const scree_rock* rock = &f->rocks.rocks[i];
     f->stones[i] = (render_stone){.cell_size = (float)model->cell_size,
@@ -100,12 +100,12 @@ static scree_result query(stage* s, uint32_t index, scree_error* error) {
 
 /* Where a field can have rocks; false when it is not open. */
 static bool field_box(const stage* s, uint32_t index, double min[3], double max[3]) {
-  const scree_support* support = scene_world_support(s->world, index);
+  const scree_support* support = scene_live_support(s->world, index);
   if (support == NULL) return false;
   scree_support_bounds(support, min, max);
   for (int a = 0; a < 3; ++a) {
-    min[a] -= scene_world_reach(s->world, index);
-    max[a] += scene_world_reach(s->world, index);
+    min[a] -= scene_live_reach(s->world, index);
+    max[a] += scene_live_reach(s->world, index);
   }
   return true;
 }
@@ -122,7 +122,7 @@ scree_result stage_update_field(stage* s, uint32_t index, uint32_t changed, scre
   /* Boxes of what changes: the field before and after, then each later field that meets one of these. */
   double min[SCENE_FIELDS_MAX + 2][3], max[SCENE_FIELDS_MAX + 2][3];
   uint32_t boxes = field_box(s, index, min[0], max[0]) ? 1 : 0;
-  scree_result result = scene_world_update(s->world, index, changed, error);
+  scree_result result = scene_live_update(s->world, index, changed, error);
   if (result != SCREE_OK) return result;
   if ((changed & ~SCENE_CHANGED_PALETTE) == 0) {
     colour_stones(s, index, f);
@@ -147,9 +147,9 @@ scree_result stage_update_all(stage* s, scree_error* error) {
   render_set_stones(s->desc.renderer, NULL, 0);
   for (uint32_t i = 0; i < SCENE_FIELDS_MAX; ++i) forget_field(&s->fields[i]);
   s->field_count = s->desc.scene->field_count;
-  scree_result first = scene_world_update_all(s->world, error);
+  scree_result first = scene_live_update_all(s->world, error);
   for (uint32_t i = 0; i < s->field_count; ++i) {
-    if (scene_world_layer(s->world, i) == UINT32_MAX) continue;
+    if (scene_live_layer(s->world, i) == UINT32_MAX) continue;
     const double start = timer_seconds();
     scree_error own = {""};
     scree_result result = query(s, i, &own);
@@ -183,7 +183,7 @@ scree_result stage_update_ground(stage* s, scree_error* error) {
   const scene_ground* ground = &s->desc.scene->ground;
   if (ground->kind != SCENE_GROUND_TERRAIN) return render_set_terrain(s->desc.renderer, NULL, NULL, 0, NULL, 0);
   terrain_mesh mesh;
-  scree_result result = terrain_mesh_create(ground, &s->desc.paths, scene_world_files(s->world), &mesh, error);
+  scree_result result = terrain_mesh_create(ground, &s->desc.paths, scene_live_files(s->world), &mesh, error);
   if (result != SCREE_OK) return result;
   for (uint32_t i = 0; i < mesh.vertex_count; ++i)
     for (int a = 0; a < 3; ++a) mesh.positions[3 * i + a] += (float)(ground->position[a] - s->origin[a]);
@@ -229,13 +229,13 @@ scree_result stage_create(const stage_desc* desc, stage** out, scree_error* erro
   if (s == NULL) return fail_with(error, SCREE_ERROR_OUT_OF_MEMORY, "out of memory");
   s->desc = *desc;
   choose_origin(s);
-  const scene_world_desc wanted = {.scene = desc->scene,
-                                   .paths = desc->paths,
-                                   .jobs = desc->jobs,
-                                   .pack_opened = pack_opened,
-                                   .pack_closing = pack_closing,
-                                   .user = s};
-  scree_result result = scene_world_create(&wanted, &s->world, error);
+  const scene_live_desc wanted = {.scene = desc->scene,
+                                  .paths = desc->paths,
+                                  .jobs = desc->jobs,
+                                  .pack_opened = pack_opened,
+                                  .pack_closing = pack_closing,
+                                  .user = s};
+  scree_result result = scene_live_create(&wanted, &s->world, error);
   if (result == SCREE_OK) result = stage_update_all(s, error);
   if (result == SCREE_OK) result = stage_update_ground(s, error);
   if (result == SCREE_OK) {
@@ -254,7 +254,7 @@ void stage_destroy(stage* s) {
   if (s == NULL) return;
   render_set_stones(s->desc.renderer, NULL, 0);
   for (uint32_t i = 0; i < SCENE_FIELDS_MAX; ++i) forget_field(&s->fields[i]);
-  scene_world_destroy(s->world);
+  scene_live_destroy(s->world);
   free(s);
 }
 
@@ -265,7 +265,7 @@ void stage_origin(const stage* s, double origin[3]) {
 }
 
 scene_files* stage_files(stage* s) {
-  return scene_world_files(s->world);
+  return scene_live_files(s->world);
 }
 
 void stage_camera(const stage* s, const double eye[3], const double target[3], double field_of_view, camera* out) {
@@ -279,7 +279,7 @@ void stage_camera(const stage* s, const double eye[3], const double target[3], d
 }
 
 bool stage_field_bounds(const stage* s, uint32_t index, float min[3], float max[3]) {
-  const scree_support* support = scene_world_support(s->world, index);
+  const scree_support* support = scene_live_support(s->world, index);
   if (support == NULL) return false;
   double low[3], high[3];
   scree_support_bounds(support, low, high);

@@ -5,7 +5,7 @@
 
 #include "camera.h"
 #include "render.h"
-#include "scene_world.h"
+#include "scene_live.h"
 
 #ifdef __cplusplus
 extern "C" {

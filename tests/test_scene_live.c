@@ -14,13 +14,13 @@
 #include <cmocka.h>
 
 #include "make_pack.h"
-#include "scene_world.h"
+#include "scene_live.h"
 
 static char folder[64];
 
 typedef struct opened {
   scene_model scene;
-  scene_world* world;
+  scene_live* world;
   char file[96];
 } opened;
 
@@ -28,9 +28,9 @@ typedef struct opened {
 static scree_result open_scene(opened* o, const char* text, scree_error* error) {
   snprintf(o->file, sizeof o->file, "%s/s.json", folder);
   assert_int_equal(scene_parse(text, strlen(text), o->file, &o->scene, error), SCREE_OK);
-  const scene_world_desc desc = {.scene = &o->scene, .paths = {.scene = o->file, .packs = folder, .data = folder}};
-  assert_int_equal(scene_world_create(&desc, &o->world, error), SCREE_OK);
-  return scene_world_update_all(o->world, error);
+  const scene_live_desc desc = {.scene = &o->scene, .paths = {.scene = o->file, .packs = folder, .data = folder}};
+  assert_int_equal(scene_live_create(&desc, &o->world, error), SCREE_OK);
+  return scene_live_update_all(o->world, error);
 }
 
 static void open_well(opened* o, const char* text) {
@@ -39,7 +39,7 @@ static void open_well(opened* o, const char* text) {
 }
 
 static void close_scene(opened* o) {
-  scene_world_destroy(o->world);
+  scene_live_destroy(o->world);
   scene_destroy(&o->scene);
 }
 
@@ -48,7 +48,7 @@ static const double zero[3] = {0, 0, 0};
 static uint64_t count_of(opened* o, uint32_t field) {
   scene_rocks rocks = {.rocks = NULL};
   scree_error error = {""};
-  if (scene_world_query(o->world, field, zero, 0, 1000000, &rocks, &error) != SCREE_OK) fail_msg("%s", error.message);
+  if (scene_live_query(o->world, field, zero, 0, 1000000, &rocks, &error) != SCREE_OK) fail_msg("%s", error.message);
   uint64_t count = rocks.count;
   scene_rocks_free(&rocks);
   return count;
@@ -68,12 +68,12 @@ static void earlier_field_wins_where_two_meet(void** state) {
   /* The first moves into the second, which loses rocks; the first loses none of its own. */
   scree_error error;
   o.scene.fields[0].support->position[0] = 20;
-  assert_int_equal(scene_world_update(o.world, 0, SCENE_CHANGED_SUPPORT, &error), SCREE_OK);
+  assert_int_equal(scene_live_update(o.world, 0, SCENE_CHANGED_SUPPORT, &error), SCREE_OK);
   const uint64_t inside = count_of(&o, 0);
   assert_in_range(inside, first - first / 4, first + first / 4);
   assert_in_range(count_of(&o, 1), 1, second - first / 2);
   o.scene.fields[0].support->position[0] = 0;
-  assert_int_equal(scene_world_update(o.world, 0, SCENE_CHANGED_SUPPORT, &error), SCREE_OK);
+  assert_int_equal(scene_live_update(o.world, 0, SCENE_CHANGED_SUPPORT, &error), SCREE_OK);
   assert_int_equal(count_of(&o, 0), first);
   assert_int_equal(count_of(&o, 1), second);
   close_scene(&o);
@@ -87,17 +87,17 @@ static void density_and_filters_thin_out_a_field(void** state) {
   scree_error error;
   scene_field* field = &o.scene.fields[0];
   field->density = 0.5;
-  assert_int_equal(scene_world_update(o.world, 0, SCENE_CHANGED_RULES, &error), SCREE_OK);
+  assert_int_equal(scene_live_update(o.world, 0, SCENE_CHANGED_RULES, &error), SCREE_OK);
   assert_in_range(count_of(&o, 0), all * 4 / 10, all * 6 / 10);
   field->density = 1;
   scene_filter* filter = scene_add_filter(field, SCREE_FILTER_ALTITUDE);
   filter->from = 0;
   filter->to = 100;
-  assert_int_equal(scene_world_update(o.world, 0, SCENE_CHANGED_RULES, &error), SCREE_OK);
+  assert_int_equal(scene_live_update(o.world, 0, SCENE_CHANGED_RULES, &error), SCREE_OK);
   const uint64_t upper = count_of(&o, 0);
   assert_in_range(upper, all * 4 / 10, all * 6 / 10);
   filter->inverted = true;
-  assert_int_equal(scene_world_update(o.world, 0, SCENE_CHANGED_RULES, &error), SCREE_OK);
+  assert_int_equal(scene_live_update(o.world, 0, SCENE_CHANGED_RULES, &error), SCREE_OK);
   assert_int_equal(count_of(&o, 0), all - upper);
   close_scene(&o);
 }
@@ -109,12 +109,12 @@ static void update_that_fails_leaves_the_field_as_it_was(void** state) {
   const uint64_t first = count_of(&o, 0), second = count_of(&o, 1);
   scree_error error;
   strcpy(o.scene.fields[0].pack, "gone");
-  assert_int_equal(scene_world_update(o.world, 0, SCENE_CHANGED_PACK, &error), SCREE_ERROR_IO);
+  assert_int_equal(scene_live_update(o.world, 0, SCENE_CHANGED_PACK, &error), SCREE_ERROR_IO);
   assert_non_null(strstr(error.message, "fields[0].pack: there is no pack \"gone\""));
   strcpy(o.scene.fields[0].pack, "one");
   scene_filter* filter = scene_add_filter(&o.scene.fields[1], SCREE_FILTER_MASK);
   strcpy(filter->map.file, "gone.png");
-  assert_int_equal(scene_world_update(o.world, 1, SCENE_CHANGED_RULES, &error), SCREE_ERROR_IO);
+  assert_int_equal(scene_live_update(o.world, 1, SCENE_CHANGED_RULES, &error), SCREE_ERROR_IO);
   assert_non_null(strstr(error.message, "fields[1].filters[0]: \"gone.png\" is neither beside"));
   assert_int_equal(count_of(&o, 0), first);
   assert_int_equal(count_of(&o, 1), second);
@@ -128,12 +128,12 @@ static void field_that_cannot_be_opened_does_not_take_others_along(void** state)
   assert_int_equal(open_scene(&o, "{\"fields\": [" BALL("gone", "0", "2", "") "," BALL("two", "0", "2", "") "]}", &error),
                    SCREE_ERROR_IO);
   assert_non_null(strstr(error.message, "fields[0].pack"));
-  assert_int_equal(scene_world_layer(o.world, 0), UINT32_MAX);
-  assert_null(scene_world_field(o.world, 0));
-  assert_int_equal(scene_world_layer(o.world, 1), 0);
+  assert_int_equal(scene_live_layer(o.world, 0), UINT32_MAX);
+  assert_null(scene_live_field(o.world, 0));
+  assert_int_equal(scene_live_layer(o.world, 1), 0);
   assert_in_range(count_of(&o, 1), 100, 1000000);
   scene_rocks rocks = {.rocks = NULL};
-  assert_int_equal(scene_world_query(o.world, 0, zero, 0, 10, &rocks, &error), SCREE_ERROR_INVALID_ARGUMENT);
+  assert_int_equal(scene_live_query(o.world, 0, zero, 0, 10, &rocks, &error), SCREE_ERROR_INVALID_ARGUMENT);
   close_scene(&o);
 }
 
@@ -141,9 +141,9 @@ static void fields_of_one_pack_share_it(void** state) {
   (void)state;
   opened o;
   open_well(&o, "{\"fields\": [" BALL("one", "0", "1", "") "," BALL("two", "9", "1", "") "," BALL("one", "19", "1", "") "]}");
-  assert_ptr_equal(scene_world_pack(o.world, 0), scene_world_pack(o.world, 2));
-  assert_ptr_not_equal(scene_world_pack(o.world, 0), scene_world_pack(o.world, 1));
-  assert_int_equal(scene_world_pack_slot(o.world, 0), scene_world_pack_slot(o.world, 2));
+  assert_ptr_equal(scene_live_pack(o.world, 0), scene_live_pack(o.world, 2));
+  assert_ptr_not_equal(scene_live_pack(o.world, 0), scene_live_pack(o.world, 1));
+  assert_int_equal(scene_live_pack_slot(o.world, 0), scene_live_pack_slot(o.world, 2));
   close_scene(&o);
 }
 
@@ -160,7 +160,7 @@ static void too_many_rocks_are_refused_without_counting_them(void** state) {
     open_well(&o, text);
     scene_rocks rocks = {.rocks = NULL};
     scree_error error = {""};
-    assert_int_equal(scene_world_query(o.world, 0, zero, 0, 1000000, &rocks, &error), SCREE_ERROR_RANGE);
+    assert_int_equal(scene_live_query(o.world, 0, zero, 0, 1000000, &rocks, &error), SCREE_ERROR_RANGE);
     assert_non_null(strstr(error.message, "fields[0]: it has more than 1000000 rocks"));
     scene_rocks_free(&rocks);
     close_scene(&o);
@@ -175,9 +175,9 @@ static void as_many_rocks_as_allowed_are_delivered(void** state) {
   const uint64_t all = count_of(&o, 0);
   scene_rocks rocks = {.rocks = NULL};
   scree_error error = {""};
-  assert_int_equal(scene_world_query(o.world, 0, zero, 0, all, &rocks, &error), SCREE_OK);
+  assert_int_equal(scene_live_query(o.world, 0, zero, 0, all, &rocks, &error), SCREE_OK);
   assert_int_equal(rocks.count, all);
-  assert_int_equal(scene_world_query(o.world, 0, zero, 0, all - 1, &rocks, &error), SCREE_ERROR_RANGE);
+  assert_int_equal(scene_live_query(o.world, 0, zero, 0, all - 1, &rocks, &error), SCREE_ERROR_RANGE);
   scene_rocks_free(&rocks);
   close_scene(&o);
 }
@@ -211,7 +211,7 @@ static void write_pack(const char* name, const test_pack_desc* desc) {
 
 static int make_folder(void** state) {
   (void)state;
-  strcpy(folder, "/tmp/scene-world-XXXXXX");
+  strcpy(folder, "/tmp/scene-live-XXXXXX");
   if (mkdtemp(folder) == NULL) return -1;
   write_pack("one", &(test_pack_desc){.cells_per_cube = 3});
   write_pack("two", &(test_pack_desc){.cells_per_cube = 3, .rocks_per_cell = 2});

@@ -1,7 +1,7 @@
 /* A scene opened: packs, fields, supports and the scree_scene that they are the layers of. Programs that show, export and measure a
  * scene all come through here, so that they mean the same rocks. Not thread-safe. */
-#ifndef SCENE_WORLD_H
-#define SCENE_WORLD_H
+#ifndef SCENE_LIVE_H
+#define SCENE_LIVE_H
 
 #include <scree/scene.h>
 
@@ -11,7 +11,7 @@
 extern "C" {
 #endif
 
-typedef struct scene_world scene_world;
+typedef struct scene_live scene_live;
 
 /* What of a field has changed. */
 enum {
@@ -22,7 +22,7 @@ enum {
   SCENE_CHANGED_ALL = 15u
 };
 
-typedef struct scene_world_desc {
+typedef struct scene_live_desc {
   const scene_model* scene; /* must outlive the world; read on every update */
   scene_paths paths;        /* strings likewise */
   scree_jobs jobs;
@@ -31,31 +31,31 @@ typedef struct scene_world_desc {
   scree_result (*pack_opened)(void* user, uint32_t slot, const scree_pack* pack);
   void (*pack_closing)(void* user, uint32_t slot);
   void* user;
-} scene_world_desc;
+} scene_live_desc;
 
 /* A world without fields. Returns SCREE_OK or OUT_OF_MEMORY. */
-scree_result scene_world_create(const scene_world_desc* desc, scene_world** out, scree_error* error);
-void scene_world_destroy(scene_world* w);
+scree_result scene_live_create(const scene_live_desc* desc, scene_live** out, scree_error* error);
+void scene_live_destroy(scene_live* w);
 
 /* Brings field `index` up to date with the scene; error: one line with the file and the key. On failure the field stays as it was.
  * A support without end is an error: the programs ask for whole fields. */
-scree_result scene_world_update(scene_world* w, uint32_t index, uint32_t changed, scree_error* error);
+scree_result scene_live_update(scene_live* w, uint32_t index, uint32_t changed, scree_error* error);
 
 /* Forgets all fields and opens those of the scene. The first that fails gives the error; the others are there. */
-scree_result scene_world_update_all(scene_world* w, scree_error* error);
+scree_result scene_live_update_all(scene_live* w, scree_error* error);
 
 /* The layers; NULL as long as there is no field. Valid until the next update. */
-const scree_scene* scene_world_scene(const scene_world* w);
+const scree_scene* scene_live_scene(const scene_live* w);
 /* The index of a field's layer, UINT32_MAX if it could not be opened. */
-uint32_t scene_world_layer(const scene_world* w, uint32_t index);
-const scree_field* scene_world_field(const scene_world* w, uint32_t index); /* NULL as above */
-const scree_support* scene_world_support(const scene_world* w, uint32_t index);
-const scree_pack* scene_world_pack(const scene_world* w, uint32_t index);
-uint32_t scene_world_pack_slot(const scene_world* w, uint32_t index);
-scene_files* scene_world_files(scene_world* w);
+uint32_t scene_live_layer(const scene_live* w, uint32_t index);
+const scree_field* scene_live_field(const scene_live* w, uint32_t index); /* NULL as above */
+const scree_support* scene_live_support(const scene_live* w, uint32_t index);
+const scree_pack* scene_live_pack(const scene_live* w, uint32_t index);
+uint32_t scene_live_pack_slot(const scene_live* w, uint32_t index);
+scene_files* scene_live_files(scene_live* w);
 
 /* How far a rock of the field can reach from its home cell's centre, metres. */
-double scene_world_reach(const scene_world* w, uint32_t index);
+double scene_live_reach(const scene_live* w, uint32_t index);
 
 /* Rocks of a query, kept so that the next one need not allocate. All zero = empty. */
 typedef struct scene_rocks {
@@ -67,8 +67,8 @@ void scene_rocks_free(scene_rocks* rocks);
 /* The rocks of one field, by the rules of the whole scene: where fields overlap, the earlier wins.
  * origin: what positions are relative to. flags: SCREE_SCENE_... most: more rocks are an error, found without counting them all.
  * Returns SCREE_OK, RANGE (too many), OUT_OF_MEMORY, INVALID_ARGUMENT (there is no such field), with a line for people. */
-scree_result scene_world_query(scene_world* w, uint32_t index, const double origin[3], uint32_t flags, uint64_t most,
-                               scene_rocks* out, scree_error* error);
+scree_result scene_live_query(scene_live* w, uint32_t index, const double origin[3], uint32_t flags, uint64_t most,
+                              scene_rocks* out, scree_error* error);
 
 #ifdef __cplusplus
 }

@@ -1,4 +1,4 @@
-#include "scene_world.h"
+#include "scene_live.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -25,8 +25,8 @@ typedef struct opened_field {
   scree_filter filters[SCENE_FILTERS_MAX];
 } opened_field;
 
-struct scene_world {
-  scene_world_desc desc;
+struct scene_live {
+  scene_live_desc desc;
   scene_files* files;
   scree_scratch* scratch;
   scree_scene* scene;
@@ -38,7 +38,7 @@ struct scene_world {
 
 /* --- Packs --- */
 
-static scree_result open_pack(scene_world* w, uint32_t index, opened_pack** out, scree_error* error) {
+static scree_result open_pack(scene_live* w, uint32_t index, opened_pack** out, scree_error* error) {
   char where[64], path[PATH_SIZE];
   snprintf(where, sizeof where, "fields[%u].pack", (unsigned)index);
   const char* name = w->desc.scene->fields[index].pack;
@@ -69,7 +69,7 @@ static scree_result open_pack(scene_world* w, uint32_t index, opened_pack** out,
   return SCREE_OK;
 }
 
-static void close_pack(scene_world* w, opened_pack* p) {
+static void close_pack(scene_live* w, opened_pack* p) {
   if (p == NULL || --p->users > 0) return;
   if (w->desc.pack_closing != NULL) w->desc.pack_closing(w->desc.user, (uint32_t)(p - w->packs));
   scree_pack_close(p->pack);
@@ -82,7 +82,7 @@ static bool is_open(const opened_field* f) {
   return f->pack != NULL && f->field != NULL && f->support != NULL;
 }
 
-static scree_result open_field(scene_world* w, uint32_t index, opened_field* made, scree_error* error) {
+static scree_result open_field(scene_live* w, uint32_t index, opened_field* made, scree_error* error) {
   const scene_field* model = &w->desc.scene->fields[index];
   scree_result result = open_pack(w, index, &made->pack, error);
   if (result != SCREE_OK) return result;
@@ -94,7 +94,7 @@ static scree_result open_field(scene_world* w, uint32_t index, opened_field* mad
                    scree_result_string(result));
 }
 
-static scree_result open_support(scene_world* w, uint32_t index, const scree_support* reuse, opened_field* made,
+static scree_result open_support(scene_live* w, uint32_t index, const scree_support* reuse, opened_field* made,
                                  scree_error* error) {
   scree_result result =
       scene_support_create(w->desc.scene, index, &w->desc.paths, w->files, &w->desc.jobs, reuse, &made->support, error);
@@ -108,7 +108,7 @@ static scree_result open_support(scene_world* w, uint32_t index, const scree_sup
   return SCREE_OK;
 }
 
-static scree_result fill_filter(scene_world* w, uint32_t field, uint32_t index, scree_filter* out, scree_error* error) {
+static scree_result fill_filter(scene_live* w, uint32_t field, uint32_t index, scree_filter* out, scree_error* error) {
   const scene_filter* model = &w->desc.scene->fields[field].filters[index];
   *out = (scree_filter){.kind = model->kind,
                         .inverted = model->inverted,
@@ -129,7 +129,7 @@ static scree_result fill_filter(scene_world* w, uint32_t field, uint32_t index, 
   return SCREE_OK;
 }
 
-static scree_result fill_layer(scene_world* w, uint32_t index, opened_field* made, scree_error* error) {
+static scree_result fill_layer(scene_live* w, uint32_t index, opened_field* made, scree_error* error) {
   const scene_field* model = &w->desc.scene->fields[index];
   scree_pack_info info;
   scree_pack_get_info(made->pack->pack, &info);
@@ -148,7 +148,7 @@ static scree_result fill_layer(scene_world* w, uint32_t index, opened_field* mad
 }
 
 /* The scene of all fields that are open, with `made` in the place of field `index`. */
-static scree_result make_scene(const scene_world* w, uint32_t index, const opened_field* made, scree_scene** out,
+static scree_result make_scene(const scene_live* w, uint32_t index, const opened_field* made, scree_scene** out,
                                uint32_t layer_of[SCENE_FIELDS_MAX], scree_error* error) {
   scree_layer layers[SCENE_FIELDS_MAX];
   uint32_t fields[SCENE_FIELDS_MAX], count = 0;
@@ -176,13 +176,13 @@ static scree_result make_scene(const scene_world* w, uint32_t index, const opene
                    (unsigned)(number < count ? fields[number] : index), what);
 }
 
-static void replace_scene(scene_world* w, scree_scene* scene, const uint32_t layer_of[SCENE_FIELDS_MAX]) {
+static void replace_scene(scene_live* w, scree_scene* scene, const uint32_t layer_of[SCENE_FIELDS_MAX]) {
   scree_scene_destroy(w->scene);
   w->scene = scene;
   memcpy(w->layers, layer_of, sizeof w->layers);
 }
 
-scree_result scene_world_update(scene_world* w, uint32_t index, uint32_t changed, scree_error* error) {
+scree_result scene_live_update(scene_live* w, uint32_t index, uint32_t changed, scree_error* error) {
   if (index >= w->desc.scene->field_count || index >= SCENE_FIELDS_MAX)
     return fail_with(error, SCREE_ERROR_INVALID_ARGUMENT, "there is no field %u", (unsigned)index);
   opened_field* f = &w->fields[index];
@@ -213,7 +213,7 @@ scree_result scene_world_update(scene_world* w, uint32_t index, uint32_t changed
   return result;
 }
 
-static void forget_all(scene_world* w) {
+static void forget_all(scene_live* w) {
   scree_scene_destroy(w->scene);
   w->scene = NULL;
   for (uint32_t i = 0; i < SCENE_FIELDS_MAX; ++i) {
@@ -227,12 +227,12 @@ static void forget_all(scene_world* w) {
   w->field_count = 0;
 }
 
-scree_result scene_world_update_all(scene_world* w, scree_error* error) {
+scree_result scene_live_update_all(scene_live* w, scree_error* error) {
   scree_result first = SCREE_OK;
   forget_all(w);
   for (uint32_t i = 0; i < w->desc.scene->field_count; ++i) {
     scree_error own = {""};
-    scree_result result = scene_world_update(w, i, SCENE_CHANGED_ALL, &own);
+    scree_result result = scene_live_update(w, i, SCENE_CHANGED_ALL, &own);
     if (result == SCREE_OK || first != SCREE_OK) continue;
     first = result;
     if (error != NULL) *error = own;
@@ -285,7 +285,7 @@ static scree_result count_box(counter* c, const double min[3], const double max[
 }
 
 /* Counts the rocks of a field that may have more than `most`, in time that does not depend on how many more there are. */
-static scree_result count_rocks(scene_world* w, uint32_t index, uint32_t flags, uint64_t most, uint64_t* count) {
+static scree_result count_rocks(scene_live* w, uint32_t index, uint32_t flags, uint64_t most, uint64_t* count) {
   const opened_field* f = &w->fields[index];
   scree_pack_info info;
   scree_pack_get_info(f->pack->pack, &info);
@@ -293,7 +293,7 @@ static scree_result count_rocks(scene_world* w, uint32_t index, uint32_t flags, 
                .scratch = w->scratch,
                .support = f->support,
                .cell = w->desc.scene->fields[index].cell_size,
-               .reach = scene_world_reach(w, index),
+               .reach = scene_live_reach(w, index),
                .shell = (double)f->layer.shell_depth,
                .rocks_per_cell = info.max_rocks_per_cell,
                .most = most};
@@ -327,8 +327,8 @@ void scene_rocks_free(scene_rocks* rocks) {
   *rocks = (scene_rocks){.rocks = NULL};
 }
 
-scree_result scene_world_query(scene_world* w, uint32_t index, const double origin[3], uint32_t flags, uint64_t most,
-                               scene_rocks* out, scree_error* error) {
+scree_result scene_live_query(scene_live* w, uint32_t index, const double origin[3], uint32_t flags, uint64_t most,
+                              scene_rocks* out, scree_error* error) {
   out->count = 0;
   if (index >= SCENE_FIELDS_MAX || w->layers[index] == UINT32_MAX)
     return fail_with(error, SCREE_ERROR_INVALID_ARGUMENT, "%s: fields[%u] is not open", w->desc.paths.scene, (unsigned)index);
@@ -356,22 +356,22 @@ scree_result scene_world_query(scene_world* w, uint32_t index, const double orig
 
 /* --- Making, and questions --- */
 
-scree_result scene_world_create(const scene_world_desc* desc, scene_world** out, scree_error* error) {
+scree_result scene_live_create(const scene_live_desc* desc, scene_live** out, scree_error* error) {
   *out = NULL;
-  scene_world* w = calloc(1, sizeof *w);
+  scene_live* w = calloc(1, sizeof *w);
   if (w == NULL) return fail_with(error, SCREE_ERROR_OUT_OF_MEMORY, "out of memory");
   w->desc = *desc;
   for (uint32_t i = 0; i < SCENE_FIELDS_MAX; ++i) w->layers[i] = UINT32_MAX;
   w->files = scene_files_create();
   if (w->files == NULL || scree_scratch_create(NULL, &w->scratch) != SCREE_OK) {
-    scene_world_destroy(w);
+    scene_live_destroy(w);
     return fail_with(error, SCREE_ERROR_OUT_OF_MEMORY, "out of memory");
   }
   *out = w;
   return SCREE_OK;
 }
 
-void scene_world_destroy(scene_world* w) {
+void scene_live_destroy(scene_live* w) {
   if (w == NULL) return;
   forget_all(w);
   scree_scratch_destroy(w->scratch);
@@ -379,43 +379,43 @@ void scene_world_destroy(scene_world* w) {
   free(w);
 }
 
-const scree_scene* scene_world_scene(const scene_world* w) {
+const scree_scene* scene_live_scene(const scene_live* w) {
   return w->scene;
 }
 
-uint32_t scene_world_layer(const scene_world* w, uint32_t index) {
+uint32_t scene_live_layer(const scene_live* w, uint32_t index) {
   return index < SCENE_FIELDS_MAX ? w->layers[index] : UINT32_MAX;
 }
 
-static const opened_field* field_at(const scene_world* w, uint32_t index) {
+static const opened_field* field_at(const scene_live* w, uint32_t index) {
   return index < SCENE_FIELDS_MAX && is_open(&w->fields[index]) ? &w->fields[index] : NULL;
 }
 
-const scree_field* scene_world_field(const scene_world* w, uint32_t index) {
+const scree_field* scene_live_field(const scene_live* w, uint32_t index) {
   const opened_field* f = field_at(w, index);
   return f != NULL ? f->field : NULL;
 }
 
-const scree_support* scene_world_support(const scene_world* w, uint32_t index) {
+const scree_support* scene_live_support(const scene_live* w, uint32_t index) {
   const opened_field* f = field_at(w, index);
   return f != NULL ? f->support : NULL;
 }
 
-const scree_pack* scene_world_pack(const scene_world* w, uint32_t index) {
+const scree_pack* scene_live_pack(const scene_live* w, uint32_t index) {
   const opened_field* f = field_at(w, index);
   return f != NULL ? f->pack->pack : NULL;
 }
 
-uint32_t scene_world_pack_slot(const scene_world* w, uint32_t index) {
+uint32_t scene_live_pack_slot(const scene_live* w, uint32_t index) {
   const opened_field* f = field_at(w, index);
   return f != NULL ? (uint32_t)(f->pack - w->packs) : UINT32_MAX;
 }
 
-scene_files* scene_world_files(scene_world* w) {
+scene_files* scene_live_files(scene_live* w) {
   return w->files;
 }
 
-double scene_world_reach(const scene_world* w, uint32_t index) {
+double scene_live_reach(const scene_live* w, uint32_t index) {
   const opened_field* f = field_at(w, index);
   if (f == NULL) return 0;
   scree_pack_info info;
