@@ -10,6 +10,16 @@ endforeach()
 # Before 1.0 a minor version may break the API.
 set_target_properties(${SCREE_INSTALLED_LIBRARIES} PROPERTIES VERSION ${PROJECT_VERSION}
   SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+# A prefix that the system does not search: the libraries lie side by side, and the programs find them from where they are.
+if(BUILD_SHARED_LIBS AND UNIX AND NOT APPLE)
+  file(RELATIVE_PATH to_libraries "/${CMAKE_INSTALL_BINDIR}" "/${CMAKE_INSTALL_LIBDIR}")
+  set_target_properties(${SCREE_INSTALLED_LIBRARIES} PROPERTIES INSTALL_RPATH "$ORIGIN")
+  foreach(program scree-bake scree-info scree-scatter scree-view)
+    if(TARGET ${program})
+      set_target_properties(${program} PROPERTIES INSTALL_RPATH "$ORIGIN/${to_libraries}")
+    endif()
+  endforeach()
+endif()
 install(TARGETS ${SCREE_INSTALLED_LIBRARIES} EXPORT scree-targets
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}

@@ -13,7 +13,7 @@
 #include <scree/threads.h>
 
 #include "convex.h"
-#include "scene_world.h"
+#include "random_world.h"
 
 /* --- memory ---------------------------------------------------------------------------------------------------------------- */
 

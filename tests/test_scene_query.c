@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-#include "scene_world.h"
+#include "random_world.h"
 
 static const double REACH = 24; /* metres from the middle: nothing farther matters to what is asked */
 

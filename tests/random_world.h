@@ -1,6 +1,6 @@
 /* Random scenes for property tests: fields on random tables, random supports, filters and edits. */
-#ifndef SCENE_WORLD_H
-#define SCENE_WORLD_H
+#ifndef RANDOM_WORLD_H
+#define RANDOM_WORLD_H
 
 #include "random_support.h"
 #include "scene_twin.h"

@@ -1,4 +1,4 @@
-#include "scene_world.h"
+#include "random_world.h"
 
 #include <math.h>
 #include <setjmp.h>
