@@ -53,6 +53,7 @@ static void fill_block(scree_stream* s, uint32_t slot, uint32_t slot_in_instance
     uint32_t first = build->class_first[class], count = build->class_first[class + 1] - first;
     if (count == 0) continue;
     b->run_class[b->run_count] = (uint8_t) class;
+    memcpy(b->triangles[b->run_count], build->triangles[class], sizeof b->triangles[0]);
     b->runs[b->run_count++] = (scree_stream_run){.first = b->first + first, .count = count, .from_level = 255};
   }
   scree_stream_instance* to = s->instances + b->first;

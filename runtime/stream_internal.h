@@ -4,6 +4,7 @@
  *   stream_setup.c   what a stream makes of a scene: layers, packs, classes of assets; how much memory that takes
  *   stream_tree.c    the octrees: which nodes shall be shown, and in which order they are built
  *   stream_blocks.c  nodes that are shown: places in the array of instances, what goes in, is replaced and goes out
+ *   stream_watch.c   which blocks have to be looked at because a view has moved
  *   stream_levels.c  the level of detail of every run of a block
  *   stream_meshes.c  which meshes are resident, who uses them, which come in and go out
  *   stream_tasks.c   builds and decodes, run by the host's tasks or at once
@@ -13,7 +14,7 @@
  * How levels cost nothing per instance: at creation the assets of a pack fall into a few classes by the errors of their levels. The
  * instances of a block are sorted by class, so each class of a block is one run with one level, and whether that has to change is a
  * comparison of the block's distance with a small table. Only where a run changes are its instances touched, to count the users of
- * meshes.
+ * meshes; and not even then where all meshes of all packs fit into mesh_bytes.
  *
  * How an update of a slow camera costs almost nothing: `travel` is how far the views have ever moved. Every node keeps the travel
  * at which anything in its subtree can change at the earliest; the walk does not enter it before. */
@@ -36,7 +37,8 @@ enum {
   STREAM_PACKS = 2 * STREAM_LAYERS, /* of a scene, and of scenes before it whose meshes have not yet gone out */
   STREAM_TOP = 24,                  /* highest level of a tree */
   STREAM_BLOCK_CUBES = 4,           /* a block is so many cubes wide */
-  STREAM_PLANES = 8
+  STREAM_PLANES = 8,
+  STREAM_BUCKETS = 1024 /* of the wheel, see stream_watch.c */
 };
 
 #define STREAM_NONE UINT32_MAX
@@ -65,13 +67,15 @@ typedef struct stream_pack {
   bool dead;              /* of an earlier scene: never read, its meshes are on their way out */
   uint32_t assets, total; /* rocks; rocks and proxies */
   uint32_t levels;
-  uint32_t first_mesh, first_asset;              /* in the tables of meshes and of classes */
-  float error[2][STREAM_CLASSES][STREAM_LEVELS]; /* cells, of rocks and of proxies; never less at a coarser level */
-  float low[3], high[3];                         /* how far rocks reach from the centre of their home cells, cells */
-  float lattice[2];                              /* cells a lattice step: of rocks, of proxies */
-  uint32_t coarse_next;                          /* assets below have their coarsest mesh */
-  uint32_t meshes_in, blocks;                    /* resident meshes, blocks that are shown */
-  uint64_t coarse_bytes, largest;                /* all coarsest meshes; the largest mesh of all */
+  uint32_t first_mesh, first_asset;                  /* in the tables of meshes and of classes */
+  float error[2][STREAM_CLASSES][STREAM_LEVELS];     /* cells, of rocks and of proxies; never less at a coarser level */
+  float low[3], high[3];                             /* how far rocks reach from the centre of their home cells, cells */
+  float lattice[2];                                  /* cells a lattice step: of rocks, of proxies */
+  uint32_t absent[2][STREAM_CLASSES][STREAM_LEVELS]; /* meshes of a class and level that cannot be drawn */
+  uint64_t bytes;                                    /* of all meshes that can be asked for */
+  uint32_t coarse_next;                              /* assets below have their coarsest mesh */
+  uint32_t meshes_in, blocks;                        /* resident meshes, blocks that are shown */
+  uint64_t coarse_bytes, largest;                    /* all coarsest meshes; the largest mesh of all */
   uint32_t largest_vertices, largest_indices;
 } stream_pack;
 
@@ -130,6 +134,7 @@ typedef struct stream_block {
   uint8_t goal[STREAM_CLASSES];     /* level for which users are being counted in advance */
   uint32_t counted[STREAM_CLASSES]; /* so many instances of the run */
   scree_stream_run runs[STREAM_CLASSES];
+  uint32_t triangles[STREAM_CLASSES][STREAM_LEVELS]; /* of all instances of a run */
   float fade_start;
   uint32_t coarser;    /* instances drawn coarser than the rule says */
   uint32_t waiting_at; /* place in the list of blocks that wait for meshes, or STREAM_NONE */
@@ -137,6 +142,14 @@ typedef struct stream_block {
   uint32_t next;       /* free slot */
   uint64_t sent;       /* update of its last event */
 } stream_block;
+
+/* What is looked at of a block while the views move. */
+typedef struct stream_watch {
+  double low[3], high[3]; /* box of everything it draws, world */
+  double near, far;       /* scaled distances between which its levels stay */
+  uint32_t before, after; /* in its bucket */
+  uint32_t bucket;        /* STREAM_NONE: it is not watched */
+} stream_watch;
 
 /* A block that waits for meshes, and the error on the screen of what it draws meanwhile. */
 typedef struct stream_wait {
@@ -163,6 +176,7 @@ typedef struct stream_build {
   /* answer */
   scree_result result;
   uint32_t count, class_first[STREAM_CLASSES + 1];
+  uint32_t triangles[STREAM_CLASSES][STREAM_LEVELS];
   float min[3], max[3];
   scree_scratch* scratch;
   scree_stream_instance* instances; /* sorted by class, then asset */
@@ -222,7 +236,8 @@ struct scree_stream {
   scree_vertex* decode_vertices; /* 2 * decodes meshes of the largest size */
   uint16_t* decode_indices;
   size_t decode_vertex_room, decode_index_room; /* of one */
-  uint32_t idle_first, idle_last;               /* meshes that are in and unused */
+  bool roomy;                     /* all meshes of all packs fit: users are not counted, because nothing ever has to go */
+  uint32_t idle_first, idle_last; /* meshes that are in and unused */
   uint64_t mesh_bytes, coming_bytes, idle_bytes;
   uint32_t meshes_in;
   uint8_t* staging; /* of coarsest meshes of one update */
@@ -262,6 +277,10 @@ struct scree_stream {
   stream_wait* waiting;
   uint32_t waiting_count, waiting_next;
   uint32_t *fading, fading_count;
+  stream_watch* watches; /* beside blocks */
+  uint32_t buckets[STREAM_BUCKETS];
+  uint64_t bucket_now;
+  double watched_travel;
   uint32_t *moved, moved_count; /* blocks whose aims have changed in this update */
 
   /* Tasks. */
@@ -322,6 +341,8 @@ void scree_rt_stream_mesh_use(scree_stream* stream, uint32_t mesh);
 void scree_rt_stream_mesh_leave(scree_stream* stream, uint32_t mesh);
 /* Asks for a mesh; false when that has to wait. */
 bool scree_rt_stream_mesh_ask(scree_stream* stream, uint32_t pack, uint32_t asset, uint32_t level);
+/* Counts all users of all meshes anew, after a scene has brought or taken packs. */
+void scree_rt_stream_meshes_recount(scree_stream* stream);
 /* Sends coarsest meshes and what has been decoded; lets go of what is unused where room is short. */
 void scree_rt_stream_meshes_send(scree_stream* stream);
 /* Whether all coarsest meshes of a layer are in. */
@@ -331,16 +352,25 @@ bool scree_rt_stream_layer_is_in(const scree_stream* stream, uint32_t layer);
 static inline uint64_t stream_run_bytes(const stream_block* block) {
   return block->run_count * sizeof(scree_stream_run);
 }
-/* What the rule wants of a shown block; delivers how far the views may move before that changes, metres. */
-double scree_rt_stream_levels_aim(scree_stream* stream, uint32_t block);
+/* What the rule wants of a shown block at a scaled distance; delivers the distances between which that stays. */
+void scree_rt_stream_levels_aim(scree_stream* stream, uint32_t block, double scaled, double* near, double* far);
 /* Chooses the levels of a block that comes in, and counts it as a user of their meshes. */
 void scree_rt_stream_levels_start(scree_stream* stream, uint32_t block, bool fades);
 /* It only fades out from now on. */
 void scree_rt_stream_levels_fade_out(scree_stream* stream, uint32_t block);
 /* The block is no longer drawn. */
 void scree_rt_stream_levels_end(scree_stream* stream, uint32_t block);
+/* Counts a shown block as a user of its meshes once more. */
+void scree_rt_stream_levels_recount(scree_stream* stream, uint32_t block);
 /* Brings runs to their levels, asks for meshes, ends fades. */
 void scree_rt_stream_levels_update(scree_stream* stream);
+
+/* stream_watch.c */
+/* A block is at a scaled distance, and its levels stay between two others. */
+void scree_rt_stream_watch(scree_stream* stream, uint32_t block, double scaled, double near, double far);
+void scree_rt_stream_unwatch(scree_stream* stream, uint32_t block);
+/* Looks at the blocks that are due; at all if `anew`. */
+void scree_rt_stream_watch_update(scree_stream* stream, bool anew);
 
 /* stream_blocks.c */
 /* Takes in what a build found: the node's `fresh`. */

@@ -30,12 +30,6 @@ static uint8_t coarsest_within(const float* error, uint32_t levels, double allow
   return level;
 }
 
-/* The level after `level`, with hysteresis. */
-static uint8_t next_level(const float* error, uint32_t levels, double allowed, double hysteresis, uint8_t level) {
-  uint8_t fine = coarsest_within(error, levels, allowed / (1 + hysteresis)), coarse = coarsest_within(error, levels, allowed);
-  return level > coarse ? coarse : level < fine ? fine : level;
-}
-
 /* The level that a run is on its way to: its aim, but for levels that cannot be read. */
 static uint8_t effective_aim(const stream_block* b, uint32_t run) {
   uint8_t level = b->aim[run];
@@ -58,33 +52,38 @@ static bool waits(const stream_block* b) {
   return false;
 }
 
-/* What the rule says for a distance; delivers how far the scaled distance may change before it says something else. first: the
- * block has no levels yet, so there is no hysteresis. */
-static double aim_at(scree_stream* s, stream_block* b, double scaled, bool first) {
+/* What the rule says for a distance; delivers between which distances it says the same. first: the block has no levels yet, so
+ * there is no hysteresis. Where one run has to become finer, all that may do so at once, which saves events. */
+static void aim_at(const scree_stream* s, stream_block* b, double scaled, bool first, double* near, double* far) {
   const stream_pack* pack = &s->packs[b->pack];
   double per_metre = (double)s->desc.max_error_pixels / s->pixels / (double)block_cell(b); /* cells a metre of distance */
-  double hysteresis = (double)s->desc.hysteresis, margin = INFINITY;
+  double hysteresis = 1 + (double)s->desc.hysteresis;
   const float(*errors)[STREAM_LEVELS] = pack->error[b->level > 0];
-  for (uint32_t r = 0; r < b->run_count && r < STREAM_CLASSES; ++r) {
-    const float* error = errors[b->run_class[r]];
-    if (s->desc.decode == NULL) {
-      b->ideal[r] = b->aim[r] = (uint8_t)(pack->levels - 1);
-      continue;
-    }
-    for (int bounded = 0; bounded < 2; ++bounded) {
-      double unit = bounded ? per_metre * s->mesh_scale : per_metre;
-      uint8_t* level = bounded ? &b->aim[r] : &b->ideal[r];
-      *level = first ? coarsest_within(error, pack->levels, scaled * unit)
-                     : next_level(error, pack->levels, scaled * unit, hysteresis, *level);
-      if (*level > 0) margin = fmin(margin, scaled - (double)error[*level] / unit);
-      if (*level + 1u < pack->levels) margin = fmin(margin, (double)error[*level + 1] * (1 + hysteresis) / unit - scaled);
-      if (s->mesh_scale == 1) {
-        b->aim[r] = b->ideal[r];
-        break;
-      }
+  uint32_t levels = pack->levels, runs = b->run_count < STREAM_CLASSES ? b->run_count : STREAM_CLASSES;
+  *near = -INFINITY;
+  *far = INFINITY;
+  if (s->desc.decode == NULL) {
+    for (uint32_t r = 0; r < runs; ++r) b->ideal[r] = b->aim[r] = (uint8_t)(levels - 1);
+    return;
+  }
+  for (int bounded = 0; bounded < (s->mesh_scale > 1 ? 2 : 1); ++bounded) {
+    double unit = bounded ? per_metre * s->mesh_scale : per_metre;
+    uint8_t* level = bounded ? b->aim : b->ideal;
+    bool finer = first;
+    for (uint32_t r = 0; r < runs && !finer; ++r)
+      finer = level[r] > coarsest_within(errors[b->run_class[r]], levels, scaled * unit);
+    for (uint32_t r = 0; r < runs; ++r) {
+      const float* error = errors[b->run_class[r]];
+      uint8_t fine = coarsest_within(error, levels, scaled * unit / hysteresis);
+      if (first)
+        level[r] = coarsest_within(error, levels, scaled * unit);
+      else if (level[r] < fine || (finer && level[r] > fine))
+        level[r] = fine;
+      if (level[r] > 0) *near = fmax(*near, (double)error[level[r]] / unit);
+      if (level[r] + 1u < levels) *far = fmin(*far, (double)error[level[r] + 1] * hysteresis / unit);
     }
   }
-  return margin > 0 ? margin : 0;
+  if (s->mesh_scale <= 1) memcpy(b->aim, b->ideal, sizeof b->aim);
 }
 
 static double block_distance(const scree_stream* s, const stream_block* b) {
@@ -144,6 +143,7 @@ static void stop_fading(scree_stream* s, uint32_t block) {
 /* --- users of meshes -------------------------------------------------------------------------------------------------------- */
 
 static void leave_level(scree_stream* s, const stream_block* b, uint32_t run, uint32_t level, uint32_t count) {
+  if (s->roomy) return;
   for (uint32_t i = 0; i < count; ++i) scree_rt_stream_mesh_leave(s, run_mesh(s, b, run, i, level));
 }
 
@@ -156,28 +156,34 @@ static void uncount(scree_stream* s, stream_block* b, uint32_t run) {
 static bool count_on(scree_stream* s, stream_block* b, uint32_t run, uint8_t level) {
   if (b->goal[run] != level) uncount(s, b, run);
   b->goal[run] = level;
+  if (s->roomy && s->packs[b->pack].absent[b->level > 0][b->run_class[run]][level] == 0) b->counted[run] = b->runs[run].count;
   for (uint32_t count = b->runs[run].count; b->counted[run] < count; ++b->counted[run]) {
     uint32_t mesh = run_mesh(s, b, run, b->counted[run], level);
     if (s->meshes[mesh].state == MESH_FAILED) b->barred[run] |= (uint8_t)(1u << level);
     if (!stream_mesh_usable(&s->meshes[mesh])) return false;
-    scree_rt_stream_mesh_use(s, mesh);
+    if (!s->roomy) scree_rt_stream_mesh_use(s, mesh);
   }
   return true;
 }
 
-static uint64_t level_triangles(const scree_stream* s, const stream_block* b, uint32_t run, uint32_t level) {
-  uint64_t sum = 0;
-  for (uint32_t i = 0; i < b->runs[run].count; ++i) sum += s->meshes[run_mesh(s, b, run, i, level)].triangles;
-  return sum;
+void scree_rt_stream_levels_recount(scree_stream* s, uint32_t block) {
+  stream_block* b = &s->blocks[block];
+  for (uint32_t r = 0; r < b->run_count; ++r) {
+    b->counted[r] = 0;
+    for (uint32_t i = 0; i < b->runs[r].count && !s->roomy; ++i) {
+      scree_rt_stream_mesh_use(s, run_mesh(s, b, r, i, b->runs[r].level));
+      if (b->runs[r].from_level != 255) scree_rt_stream_mesh_use(s, run_mesh(s, b, r, i, b->runs[r].from_level));
+    }
+  }
 }
 
 static void add_run(scree_stream* s, const stream_block* b, uint32_t run) {
-  s->triangles += level_triangles(s, b, run, b->runs[run].level);
+  s->triangles += b->triangles[run][b->runs[run].level];
   if (b->level == 0) s->shown_by_level[b->runs[run].level] += b->runs[run].count;
 }
 
 static void remove_run(scree_stream* s, const stream_block* b, uint32_t run) {
-  s->triangles -= level_triangles(s, b, run, b->runs[run].level);
+  s->triangles -= b->triangles[run][b->runs[run].level];
   if (b->level == 0) s->shown_by_level[b->runs[run].level] -= b->runs[run].count;
 }
 
@@ -209,7 +215,8 @@ void scree_rt_stream_levels_start(scree_stream* s, uint32_t block, bool fades) {
   memset(b->barred, 0, sizeof b->barred);
   memset(b->counted, 0, sizeof b->counted);
   memset(b->goal, 0, sizeof b->goal);
-  aim_at(s, b, block_distance(s, b), true);
+  double near, far, scaled = block_distance(s, b);
+  aim_at(s, b, scaled, true, &near, &far);
   for (uint32_t r = 0; r < b->run_count; ++r) {
     uint8_t level = b->aim[r], coarsest = (uint8_t)(s->packs[b->pack].levels - 1);
     while (!count_on(s, b, r, level) && level < coarsest) ++level;
@@ -222,6 +229,7 @@ void scree_rt_stream_levels_start(scree_stream* s, uint32_t block, bool fades) {
   }
   count_coarser(s, b);
   if (waits(b)) start_waiting(s, block);
+  scree_rt_stream_watch(s, block, scaled, near, far);
 }
 
 void scree_rt_stream_levels_end(scree_stream* s, uint32_t block) {
@@ -236,20 +244,22 @@ void scree_rt_stream_levels_end(scree_stream* s, uint32_t block) {
   b->coarser = 0;
   stop_waiting(s, block);
   stop_fading(s, block);
+  scree_rt_stream_unwatch(s, block);
 }
 
 void scree_rt_stream_levels_fade_out(scree_stream* s, uint32_t block) {
   stream_block* b = &s->blocks[block];
   for (uint32_t r = 0; r < b->run_count; ++r) uncount(s, b, r);
   stop_waiting(s, block);
+  scree_rt_stream_unwatch(s, block);
   b->leaving = true;
   b->fade_start = (float)s->time;
   start_fading(s, block);
 }
 
-double scree_rt_stream_levels_aim(scree_stream* s, uint32_t block) {
+void scree_rt_stream_levels_aim(scree_stream* s, uint32_t block, double scaled, double* near, double* far) {
   stream_block* b = &s->blocks[block];
-  double margin = aim_at(s, b, block_distance(s, b), false);
+  aim_at(s, b, scaled, false, near, far);
   count_coarser(s, b);
   if (waits(b)) {
     start_waiting(s, block);
@@ -257,7 +267,6 @@ double scree_rt_stream_levels_aim(scree_stream* s, uint32_t block) {
   } else {
     stop_waiting(s, block);
   }
-  return margin;
 }
 
 /* Brings a run as near to its aim as the meshes that are there allow. Returns whether it has changed. */
@@ -363,6 +372,7 @@ static uint32_t most_urgent(const scree_stream* s, uint32_t blocks[URGENT]) {
 }
 
 void scree_rt_stream_levels_update(scree_stream* s) {
+  scree_rt_stream_watch_update(s, s->revisit);
   if (s->fading_count > 0) end_fades(s);
   for (uint32_t i = 0; i < s->moved_count; ++i)
     if (s->blocks[s->moved[i]].waiting_at != STREAM_NONE) serve(s, s->moved[i]);

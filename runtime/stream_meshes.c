@@ -35,6 +35,11 @@ static bool can_idle(const stream_mesh* mesh) {
   return mesh->state == MESH_IN && !mesh->coarsest;
 }
 
+/* A mesh of a pack can be drawn from now on, or no longer. */
+static void count_absent(scree_stream* s, stream_pack* p, uint32_t asset, uint32_t level, bool absent) {
+  p->absent[asset >= p->assets][s->classes[p->first_asset + asset]][level] += absent ? 1u : UINT32_MAX;
+}
+
 void scree_rt_stream_mesh_use(scree_stream* s, uint32_t slot) {
   stream_mesh* mesh = &s->meshes[slot];
   if (mesh->refs++ == 0 && can_idle(mesh)) take_idle(s, slot);
@@ -50,7 +55,7 @@ bool scree_rt_stream_mesh_ask(scree_stream* s, uint32_t pack, uint32_t asset, ui
   if (mesh->state != MESH_OUT || s->desc.decode == NULL) return false;
   uint64_t bytes = stream_mesh_bytes(mesh), cap = s->desc.caps.mesh_bytes;
   if (s->mesh_bytes + s->coming_bytes + bytes > cap + s->idle_bytes) {
-    s->short_of_meshes = true;
+    s->short_of_meshes = !s->roomy; /* if it is, meshes of an earlier scene are on their way out */
     return false;
   }
   return scree_rt_stream_decode_start(s, pack, asset, level);
@@ -66,7 +71,8 @@ static void send_out(scree_stream* s, uint32_t pack, uint32_t asset, uint32_t le
   event->mesh.asset = asset;
   event->mesh.level = level;
   event->mesh.mesh = slot;
-  if (can_idle(mesh)) take_idle(s, slot);
+  if (can_idle(mesh) && !s->roomy) take_idle(s, slot);
+  count_absent(s, &s->packs[pack], asset, level, true);
   mesh->state = MESH_OUT;
   s->mesh_bytes -= stream_mesh_bytes(mesh);
   --s->meshes_in;
@@ -87,10 +93,28 @@ static void send_in(scree_stream* s, uint32_t pack, uint32_t asset, uint32_t lev
                                    .vertex_count = mesh->vertices,
                                    .index_count = mesh->triangles * 3};
   mesh->state = MESH_IN;
+  count_absent(s, &s->packs[pack], asset, level, false);
   s->mesh_bytes += stream_mesh_bytes(mesh);
   ++s->meshes_in;
   ++s->packs[pack].meshes_in;
-  if (can_idle(mesh) && mesh->refs == 0) put_idle(s, slot);
+  if (can_idle(mesh) && mesh->refs == 0 && !s->roomy) put_idle(s, slot);
+}
+
+void scree_rt_stream_meshes_recount(scree_stream* s) {
+  s->idle_first = s->idle_last = STREAM_NONE;
+  s->idle_bytes = 0;
+  for (uint32_t i = 0; i < STREAM_PACKS; ++i) {
+    const stream_pack* p = &s->packs[i];
+    if (p->pack == NULL) continue;
+    for (uint32_t slot = p->first_mesh; slot < p->first_mesh + p->total * p->levels; ++slot) {
+      stream_mesh* mesh = &s->meshes[slot];
+      mesh->refs = 0;
+      mesh->before = mesh->after = STREAM_NONE;
+      if (can_idle(mesh) && !s->roomy) put_idle(s, slot);
+    }
+  }
+  for (uint32_t i = 0; i < s->blocks_used; ++i)
+    if (s->blocks[i].shown) scree_rt_stream_levels_recount(s, i);
 }
 
 static uint32_t pack_of(const scree_stream* s, uint32_t slot) {
@@ -150,6 +174,7 @@ static void send_coarsest(scree_stream* s, uint32_t pack) {
     ++p->coarse_next;
     if (result != SCREE_OK) {
       mesh->state = MESH_VOID;
+      count_absent(s, p, asset, p->levels - 1, false);
       say_broken(s, asset, p->levels - 1, result);
       continue;
     }
@@ -180,7 +205,7 @@ static bool send_decoded(scree_stream* s, stream_decode* d) {
   } else {
     if (!scree_rt_stream_can_send(s, 1, bytes)) return false;
     if (!make_room(s, bytes)) {
-      if (s->idle_first != STREAM_NONE) return false;
+      if (s->idle_first != STREAM_NONE || s->roomy) return false;
       mesh->state = MESH_OUT;
       s->short_of_meshes = true;
     } else if (!scree_rt_stream_can_send(s, 1, bytes)) {
@@ -195,12 +220,14 @@ static bool send_decoded(scree_stream* s, stream_decode* d) {
   return true;
 }
 
+/* Once nothing draws with it any more. */
 static void send_dead_out(scree_stream* s, uint32_t pack) {
   stream_pack* p = &s->packs[pack];
+  if (p->blocks > 0) return;
   for (uint32_t asset = 0; asset < p->total && p->meshes_in > 0; ++asset)
     for (uint32_t level = 0; level < p->levels; ++level) {
       const stream_mesh* mesh = &s->meshes[stream_mesh_slot(p, asset, level)];
-      if (mesh->state != MESH_IN || mesh->refs > 0) continue;
+      if (mesh->state != MESH_IN) continue;
       if (!scree_rt_stream_can_send(s, 1, 0)) return;
       send_out(s, pack, asset, level);
     }

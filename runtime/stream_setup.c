@@ -78,7 +78,9 @@ static scree_result measure_pack(const scree_pack* pack, const scree_stream_caps
         if (lod.vertices > 65536 || lod.triangles > UINT32_MAX / 3) return SCREE_ERROR_CORRUPT;
         out->coarse_bytes += bytes;
         if (bytes > out->largest) out->largest = bytes;
+        out->bytes += bytes;
       } else if (is_decodable(&lod, caps)) {
+        out->bytes += bytes;
         if (lod.vertices > out->largest_vertices) out->largest_vertices = lod.vertices;
         if (lod.triangles * 3 > out->largest_indices) out->largest_indices = lod.triangles * 3;
       }
@@ -125,6 +127,7 @@ static void make_classes(stream_pack* p, uint8_t* classes, uint32_t first, uint3
   for (uint32_t i = first; i < end; ++i) {
     uint8_t class = class_of_bin[histogram_bin(&c, error_sum(p->pack, p, i))];
     classes[i] = class;
+    for (uint32_t level = 0; level < p->levels; ++level) ++p->absent[kind][class][level];
     for (uint32_t level = 0; level < p->levels; ++level) {
       scree_lod lod;
       if (scree_pack_get_lod(p->pack, i, level, &lod) != SCREE_OK) continue;
@@ -407,6 +410,13 @@ scree_result scree_rt_stream_set_up(scree_stream* s, const scree_scene* scene, u
   if (result == SCREE_OK) {
     adopt_tables(s, plan, &tables);
     memcpy(s->packs, plan->packs, sizeof s->packs);
+    uint64_t bytes = 0;
+    for (uint32_t i = 0; i < STREAM_PACKS; ++i)
+      if (s->packs[i].pack != NULL && !s->packs[i].dead) bytes += s->packs[i].bytes;
+    if (s->roomy != (bytes <= s->desc.caps.mesh_bytes)) {
+      s->roomy = !s->roomy;
+      scree_rt_stream_meshes_recount(s);
+    }
     s->scene = scene;
     uint32_t before = s->layer_count;
     s->layer_count = scree_scene_layer_count(scene);

@@ -128,6 +128,11 @@ static void arrange(stream_build* b, const scree_rock* rocks, uint32_t count) {
     b->ids[i] = rock->id;
   }
   b->count = kept;
+  memset(b->triangles, 0, sizeof b->triangles);
+  for (uint32_t class = 0; class < STREAM_CLASSES; ++class)
+    for (uint32_t i = b->class_first[class]; i < b->class_first[class + 1]; ++i)
+      for (uint32_t level = 0; level < pack->levels; ++level)
+        b->triangles[class][level] += s->meshes[stream_mesh_slot(pack, b->instances[i].asset, level)].triangles;
 }
 
 /* Grows the box of positions by what meshes reach beyond them. */

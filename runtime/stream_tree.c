@@ -287,10 +287,6 @@ static double visit_children(scree_stream* s, uint32_t number, uint8_t context) 
   return due;
 }
 
-static double shown_due(scree_stream* s, const stream_node* node) {
-  return node->block == STREAM_NONE ? INFINITY : s->travel + scree_rt_stream_levels_aim(s, node->block);
-}
-
 /* A shown node whose rocks have changed. */
 static double renew(scree_stream* s, uint32_t number, double order) {
   stream_node* node = &s->nodes[number];
@@ -310,7 +306,7 @@ static double visit_leaf(scree_stream* s, uint32_t number, uint8_t context, doub
   node->split = false;
   if (!node->shown) {
     if (!node->ready && !node->building) want(s, number, order);
-    if (!(context & CONTEXT_COVERED) && node->ready && try_show(s, number)) return shown_due(s, node);
+    if (!(context & CONTEXT_COVERED) && node->ready && try_show(s, number)) return INFINITY;
     visit_children(s, number, CONTEXT_FROZEN);
     /* Under an ancestor that is shown, a node that is ready waits for its siblings; the ancestor is pending for it. */
     return pend(s);
@@ -319,7 +315,7 @@ static double visit_leaf(scree_stream* s, uint32_t number, uint8_t context, doub
   for (int i = 0; i < 8; ++i)
     if (node->child[i] != STREAM_NONE && !prune(s, node->child[i], false)) due = pend(s);
   if (node->stale) due = fmin(due, renew(s, number, order));
-  return fmin(due, shown_due(s, node));
+  return due;
 }
 
 /* The child at place i of a split node, made if it may hold something. *due: when it may come into view. */
@@ -370,7 +366,6 @@ static double visit_split(scree_stream* s, uint32_t number, uint8_t context) {
     if (!s->nodes[child].shown && !s->nodes[child].ready) all_ready = false;
   }
   if (!node->shown) return due;
-  due = fmin(due, shown_due(s, node));
   if (!all_ready || !try_split(s, number)) return pend(s);
   return -INFINITY; /* children are no longer covered */
 }
@@ -379,8 +374,7 @@ static double visit_split(scree_stream* s, uint32_t number, uint8_t context) {
 static double visit_frozen(scree_stream* s, uint32_t number) {
   stream_node* node = &s->nodes[number];
   if (!node->shown && node->ready) scree_rt_stream_drop_fresh(s, node);
-  double due = visit_children(s, number, CONTEXT_FROZEN);
-  return node->shown ? fmin(due, shown_due(s, node)) : due;
+  return visit_children(s, number, CONTEXT_FROZEN);
 }
 
 /* A block that was built and has nothing in it is not looked at again. */
@@ -491,7 +485,7 @@ static void end_leaving(scree_stream* s) {
 /* When a cap binds, what is farthest gives way: first to proxies, then altogether. When there is room again, it comes back; but not
  * until the views have moved if it was too much the last time. */
 static void bound(scree_stream* s) {
-  const double step = 1.03, most = 64;
+  const double step = 1.03, relax = 1.005, most = 64; /* back more slowly, because builds come later */
   const scree_stream_caps* caps = &s->desc.caps;
   bool moved = s->travel >= s->relax_travel;
   if (s->short_of_room) {
@@ -503,13 +497,12 @@ static void bound(scree_stream* s) {
       s->view_limit /= step;
     s->revisit_next = true;
   } else if (moved && (s->split_scale > 1 || s->view_limit < s->desc.view_distance)) {
-    bool room = s->ranges.free_units > s->ranges.units / 8 && s->blocks_used - s->blocks_free < caps->blocks - caps->blocks / 8 &&
-                s->build_queue.count == 0;
+    bool room = s->ranges.free_units > s->ranges.units / 8 && s->blocks_used - s->blocks_free < caps->blocks - caps->blocks / 8;
     if (room) {
       if (s->view_limit < s->desc.view_distance)
-        s->view_limit = fmin(s->view_limit * step, s->desc.view_distance);
+        s->view_limit = fmin(s->view_limit * relax, s->desc.view_distance);
       else
-        s->split_scale = fmax(s->split_scale / step, 1);
+        s->split_scale = fmax(s->split_scale / relax, 1);
       s->revisit_next = true;
     }
   }
@@ -517,9 +510,9 @@ static void bound(scree_stream* s) {
     s->mesh_relax_travel = s->travel + s->view_limit * 0.02;
     if (s->mesh_scale < 1e6) s->mesh_scale *= step;
     s->revisit_next = true;
-  } else if (s->mesh_scale > 1 && s->travel >= s->mesh_relax_travel && s->decode_queue.count == 0 &&
+  } else if (s->mesh_scale > 1 && s->travel >= s->mesh_relax_travel &&
              s->mesh_bytes - s->idle_bytes < caps->mesh_bytes - caps->mesh_bytes / 8) {
-    s->mesh_scale = fmax(s->mesh_scale / step, 1);
+    s->mesh_scale = fmax(s->mesh_scale / relax, 1);
     s->revisit_next = true;
   }
 }
@@ -545,13 +538,12 @@ void scree_rt_stream_tree_update(scree_stream* s) {
       root = next;
     }
   }
-  s->revisit = false;
   build_wants(s);
 }
 
 void scree_rt_stream_bound(scree_stream* s) {
   bound(s);
-  s->short_of_room = s->short_of_meshes = false;
+  s->revisit = s->short_of_room = s->short_of_meshes = false;
 }
 
 /* --- changes ---------------------------------------------------------------------------------------------------------------- */
