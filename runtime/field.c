@@ -227,6 +227,7 @@ scree_result scree_rt_field_create_from_source(const scree_field_desc* desc, con
   memcpy(field->origin, desc->origin, sizeof field->origin);
   field->cells_per_cube = source->cells_per_cube;
   field->max_rocks_per_cell = source->max_rocks_per_cell;
+  field->per_cell_inverse = field_cell_inverse(source->max_rocks_per_cell);
   field->max_radius = source->max_radius;
   for (uint32_t mask = 0; mask < 256; ++mask)
     for (uint32_t bit = 0, kept = 0; bit < 8; ++bit)

@@ -82,6 +82,7 @@ struct scree_field {
   uint32_t deepest_burial;    /* the largest that is less than SCREE_BURIAL_NEVER; 0 = no rock is ever hidden */
   uint8_t* cell_counts;       /* rocks of each cell of each tile, [256][N][N][N]; NULL where no cell is empty */
   uint8_t* bare;              /* parallel to the slots of `rocks`: 1 where the burial is SCREE_BURIAL_NEVER; NULL where none is */
+  uint32_t per_cell_inverse;  /* see field_cell_of */
   uint8_t (*cell_places)[4];  /* (x, y, z, 0) of cell x + N (y + N z); N * N * N */
   uint32_t lattice_per_cell;  /* of hulls */
   const uint32_t* hull_first; /* as in field_source */
@@ -89,6 +90,14 @@ struct scree_field {
 };
 
 enum { FIELD_MAX_HULL = 64 };
+
+/* local / max_rocks_per_cell without a division: exact for the locals of any tile. */
+static inline uint32_t field_cell_of(const scree_field* field, uint32_t local) {
+  return (local * field->per_cell_inverse) >> 21;
+}
+static inline uint32_t field_cell_inverse(uint32_t max_rocks_per_cell) {
+  return (1u << 21) / max_rocks_per_cell + 1;
+}
 
 /* The hull of an asset (below asset_count): x, y, z get at most FIELD_MAX_HULL each, lattice steps relative to the home cell's
  * centre. Returns how many. */

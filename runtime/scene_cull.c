@@ -112,6 +112,46 @@ static void erode_along(const uint64_t* in, size_t step, size_t size, size_t par
   }
 }
 
+/* Where the cells of a cube are in the grid and in rows of bits, from the cube's first cell on. Rocks come cube by cube, so that
+ * little is left to do for each. */
+typedef struct cell_steps {
+  const scree_field* field;
+  const cell_grid* grid;
+  bit_box box;
+  uint32_t byte_of[FIELD_MAX_CELLS * FIELD_MAX_CELLS * FIELD_MAX_CELLS],
+      bit_of[FIELD_MAX_CELLS * FIELD_MAX_CELLS * FIELD_MAX_CELLS];
+  int32_t cube[3];
+  ptrdiff_t first_byte, first_bit; /* of the cube's cell (0, 0, 0), which may lie beside the grid */
+} cell_steps;
+
+static void move_to(cell_steps* s, const int32_t cube[3]) {
+  ptrdiff_t at[3];
+  for (int a = 0; a < 3; ++a) {
+    s->cube[a] = cube[a];
+    at[a] = (ptrdiff_t)((int64_t)cube[a] * s->field->cells_per_cube - s->grid->low[a]);
+  }
+  s->first_byte = at[0] + at[1] * (ptrdiff_t)s->grid->row + at[2] * (ptrdiff_t)s->grid->slice;
+  s->first_bit = at[0] + (at[1] + at[2] * (ptrdiff_t)s->box.rows) * (ptrdiff_t)(s->box.words * 64);
+}
+
+static inline void step_to(cell_steps* s, const scree_id* id) {
+  if (s->cube[0] != id->cube[0] || s->cube[1] != id->cube[1] || s->cube[2] != id->cube[2]) move_to(s, id->cube);
+}
+
+static void begin_steps(cell_steps* s, const scree_field* field, const cell_grid* grid, bit_box box) {
+  uint32_t n = field->cells_per_cube, row = (uint32_t)(box.words * 64);
+  s->field = field;
+  s->grid = grid;
+  s->box = box;
+  for (uint32_t i = 0; i < n * n * n; ++i) {
+    const uint8_t* p = field->cell_places[i];
+    s->byte_of[i] = p[0] + p[1] * (uint32_t)grid->row + p[2] * (uint32_t)grid->slice;
+    s->bit_of[i] = p[0] + (p[1] + p[2] * (uint32_t)box.rows) * row;
+  }
+  const int32_t anywhere[3] = {0, 0, 0};
+  move_to(s, anywhere);
+}
+
 scree_result scree_rt_scene_cull(scene_question* q, uint32_t index) {
   const scene_layer* layer = &q->scene->layers[index];
   const scree_field* field = layer->given.field;
@@ -122,16 +162,17 @@ scree_result scree_rt_scene_cull(scene_question* q, uint32_t index) {
   uint64_t* levels = scree_rt_scratch_reserve(q->scratch, SCRATCH_ERODED, size * (field->deepest_burial + 2), sizeof *levels);
   if (levels == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
 
+  cell_steps steps;
+  begin_steps(&steps, field, grid, box);
   bool edited = scree_rt_scene_edited(q, index, grid->low, grid->high);
-  for (uint64_t i = rocks->first; i < rocks->first + rocks->count; ++i) {
-    if (edited) {
-      scree_id id = q->ids[i];
-      id.layer = layer->given.key;
-      if (scree_edits_get(q->edits, &id) != SCREE_EDIT_NONE) continue;
-    }
-    int64_t cell[3];
-    rock_cell(field, &q->ids[i], cell);
-    grid_add(grid_cell(grid, cell), field->assets[q->instances[i].asset].siblings);
+  uint64_t end = rocks->first + rocks->count;
+  for (uint64_t i = rocks->first; i < end; ++i) {
+    scree_id id = q->ids[i];
+    id.layer = layer->given.key;
+    if (edited && scree_edits_get(q->edits, &id) != SCREE_EDIT_NONE) continue;
+    step_to(&steps, &id);
+    grid_add(grid->cells + steps.first_byte + steps.byte_of[field_cell_of(field, id.local)],
+             field->assets[q->instances[i].asset].siblings);
   }
   if (field->cell_counts != NULL) mark_empty_cells(field, grid);
 
@@ -147,16 +188,14 @@ scree_result scree_rt_scene_cull(scene_question* q, uint32_t index) {
     from = level;
   }
 
-  uint64_t kept = rocks->first, end = rocks->first + rocks->count;
+  uint64_t kept = rocks->first;
   for (uint64_t i = rocks->first; i < end; ++i) {
+    const scree_id* id = &q->ids[i];
     uint32_t burial = field->assets[q->instances[i].asset].burial;
-    if (burial < SCREE_BURIAL_NEVER) {
-      int64_t cell[3];
-      rock_cell(field, &q->ids[i], cell);
-      size_t x = (size_t)(cell[0] - grid->low[0]), y = (size_t)(cell[1] - grid->low[1]), z = (size_t)(cell[2] - grid->low[2]);
-      if (levels[size * (burial - 1) + (z * box.rows + y) * box.words + x / 64] >> (x % 64) & 1) continue;
-    }
-    q->ids[kept] = q->ids[i];
+    step_to(&steps, id);
+    size_t bit = (size_t)(steps.first_bit + steps.bit_of[field_cell_of(field, id->local)]);
+    if (burial < SCREE_BURIAL_NEVER && (levels[size * (burial - 1) + bit / 64] >> (bit % 64) & 1)) continue;
+    q->ids[kept] = *id;
     q->instances[kept++] = q->instances[i];
   }
   rocks->count = kept - rocks->first;

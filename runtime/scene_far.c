@@ -49,6 +49,7 @@ static void make_tables(far_tables* t, const scene_layer* layer, double scale) {
   field->seed = from->seed;
   field->cells_per_cube = FAR_CELLS;
   field->max_rocks_per_cell = 1;
+  field->per_cell_inverse = field_cell_inverse(1);
   field->uniform_count = FAR_PARTS;
   field->cell_size = cell * from->cells_per_cube * 0.5;
   field->max_radius = 1;

@@ -118,19 +118,56 @@ typedef struct seeker {
   hull_copy hull;
 } seeker;
 
-static bool meets(seeker* s, const scene_layer* other, const kept_rock* rock) {
+/* Whether the balls of a pair leave it open, and how deep they are in one another: less is deeper. */
+static bool balls_meet(const seeker* s, const kept_rock* rock, double* depth) {
   double d2 = 0, apart = s->rock.radius + rock->radius;
   for (int a = 0; a < 3; ++a) {
     double d = rock->centroid[a] - s->rock.centroid[a];
     d2 += d * d;
   }
-  if (d2 > apart * apart) return false;
+  *depth = d2 - apart * apart;
+  return *depth <= 0;
+}
+
+static bool hulls_meet(seeker* s, const scene_layer* other, const kept_rock* rock) {
   if (!s->hull.made) make_hull(&s->hull, s->layer, s->rock.asset);
   hull_copy theirs;
   make_hull(&theirs, other, rock->asset);
   if (s->hull.hull.count == 0 || theirs.hull.count == 0) return false;
   for (int a = 0; a < 3; ++a) theirs.hull.at[a] = rock->home[a] - s->rock.home[a];
   return scree_rt_convex_meet(&s->hull.hull, &theirs.hull);
+}
+
+enum { MOST_OPEN = 32 };
+
+/* Rocks whose balls meet the seeker's. The deepest is asked first, because one that meets is enough. */
+typedef struct open_pairs {
+  const kept_rock* rocks[MOST_OPEN];
+  uint32_t count, deepest;
+  double depth;
+} open_pairs;
+
+static bool settle(open_pairs* open, seeker* s, const scene_layer* other) {
+  if (open->count == 0) return false;
+  bool met = hulls_meet(s, other, open->rocks[open->deepest]);
+  for (uint32_t i = 0; i < open->count && !met; ++i) met = i != open->deepest && hulls_meet(s, other, open->rocks[i]);
+  open->count = 0;
+  return met;
+}
+
+/* Looks at `count` rocks of a bucket; true when one of them is known to meet. */
+static bool look_at(open_pairs* open, seeker* s, const scene_layer* other, const kept_rock* rocks, uint32_t count) {
+  for (uint32_t i = 0; i < count; ++i) {
+    double depth;
+    if (!balls_meet(s, &rocks[i], &depth)) continue;
+    if (open->count == 0 || depth < open->depth) {
+      open->deepest = open->count;
+      open->depth = depth;
+    }
+    open->rocks[open->count++] = &rocks[i];
+    if (open->count == MOST_OPEN && settle(open, s, other)) return true;
+  }
+  return false;
 }
 
 static bool meets_layer(const scene_question* q, seeker* s, uint32_t index) {
@@ -140,24 +177,22 @@ static bool meets_layer(const scene_question* q, seeker* s, uint32_t index) {
   const uint32_t* starts = (const uint32_t*)q->scratch->buffers[SCRATCH_BUCKETS].memory + rocks->bucket_first;
   double reach = s->rock.radius + layer->rock_radius, bricks = 1;
   int64_t low[3], high[3], at[3];
+  open_pairs open;
+  open.count = 0;
   for (int a = 0; a < 3; ++a) {
     low[a] = brick_of(s->rock.centroid[a] - reach, rocks->brick);
     high[a] = brick_of(s->rock.centroid[a] + reach, rocks->brick);
     bricks *= (double)(high[a] - low[a]) + 1;
   }
-  if (bricks > (double)rocks->kept_count) { /* a giant among pebbles, or few pebbles */
-    for (uint32_t i = 0; i < rocks->kept_count; ++i)
-      if (meets(s, layer, &kept[i])) return true;
-    return false;
-  }
+  if (bricks > (double)rocks->kept_count) /* a giant among pebbles, or few pebbles */
+    return look_at(&open, s, layer, kept, rocks->kept_count) || settle(&open, s, layer);
   for (at[2] = low[2]; at[2] <= high[2]; ++at[2])
     for (at[1] = low[1]; at[1] <= high[1]; ++at[1])
       for (at[0] = low[0]; at[0] <= high[0]; ++at[0]) {
         uint32_t bucket = bucket_of(at, rocks->bucket_mask);
-        for (uint32_t i = starts[bucket]; i < starts[bucket + 1]; ++i)
-          if (meets(s, layer, &kept[i])) return true;
+        if (look_at(&open, s, layer, kept + starts[bucket], starts[bucket + 1] - starts[bucket])) return true;
       }
-  return false;
+  return settle(&open, s, layer);
 }
 
 /* Moves out the rocks of a layer that meet one of the earlier layers with a bit in `others`. */

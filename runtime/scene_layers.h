@@ -33,7 +33,7 @@ struct scree_scene {
 
 /* A rock's home cell, counted from the field's corner (0, 0, 0). */
 static inline void rock_cell(const scree_field* field, const scree_id* id, int64_t cell[3]) {
-  const uint8_t* place = field->cell_places[id->local / field->max_rocks_per_cell];
+  const uint8_t* place = field->cell_places[field_cell_of(field, id->local)];
   for (int a = 0; a < 3; ++a) cell[a] = (int64_t)id->cube[a] * field->cells_per_cube + place[a];
 }
 

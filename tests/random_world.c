@@ -116,6 +116,21 @@ void make_thick_world(world* w, random_stream* r) {
   make_scene(w, r);
 }
 
+void make_mixed_world(world* w, random_stream* r, uint32_t layers) {
+  begin_world(w, r, layers);
+  for (uint32_t k = 0; k < layers; ++k) {
+    w->sources[k] = synthetic_create(3 + random_below(r, 4), 1, random_below(r, 3) ? 1 : 2, random_bits(r));
+    synthetic_add_hulls(&w->sources[k], random_bits(r), 1 + random_below(r, 3), random_below(r, 3) ? 4 : 0);
+    w->source_of[k] = &w->sources[k].source;
+    make_field(w, r, k, 0.5, 2);
+    w->shapes[k]->shapes[0] = (scree_shape){.kind = SCREE_SHAPE_SPHERE, .sphere = {6}};
+    w->shapes[k]->desc = (scree_support_desc){.shapes = w->shapes[k]->shapes, .shape_count = 1};
+    make_support(w, r, k, 1);
+    w->layers[k].density = k + 1 == layers ? 1 : (float)random_in(r, 0.02, 0.3);
+  }
+  make_scene(w, r);
+}
+
 void destroy_world(world* w) {
   scree_scene_destroy(w->scene);
   scree_edits_destroy(w->edits);

@@ -35,6 +35,9 @@ void make_world(world* w, random_stream* r, uint32_t layers);
  * later. */
 void make_thick_world(world* w, random_stream* r);
 
+/* Layers in one ball, each denser than the one before: most rocks have neighbours of an earlier layer, and many just miss them. */
+void make_mixed_world(world* w, random_stream* r, uint32_t layers);
+
 void destroy_world(world* w);
 
 void add_edit(world* w, const scree_id* id, scree_edit edit);

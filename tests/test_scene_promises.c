@@ -278,7 +278,11 @@ static void no_two_kept_rocks_of_different_layers_meet(void** state) {
   uint64_t pairs = 0, dropped = 0;
   for (int round = 0; round < 40; ++round) {
     world w;
-    make_world(&w, &r, 4);
+    if (round % 4) {
+      make_world(&w, &r, 4);
+    } else {
+      make_mixed_world(&w, &r, 3);
+    }
     scree_scene_query_desc d = {.scene = w.scene};
     for (int a = 0; a < 3; ++a) {
       d.min[a] = w.middle[a] - 9;

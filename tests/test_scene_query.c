@@ -25,12 +25,14 @@ static void check_answer(world* w, scree_scene_query_desc* d, scree_scratch* scr
 }
 
 static void query_equals_its_plain_twin(uint64_t seed, uint32_t layers, uint32_t rounds, uint32_t flags, bool edits) {
-  /* layers 0: a thick world */
+  /* layers 0: a thick world; 10 and more: a mixed one of layers - 10 */
   random_stream r = {seed};
   scree_scratch* scratch = make_scratch();
   for (uint32_t round = 0; round < rounds; ++round) {
     world w;
-    if (layers > 0) {
+    if (layers > 10) {
+      make_mixed_world(&w, &r, layers - 10);
+    } else if (layers > 0) {
       make_world(&w, &r, layers);
     } else {
       make_thick_world(&w, &r);
@@ -65,6 +67,8 @@ static void overlapping_layers_equal_their_plain_twin(void** state) {
   query_equals_its_plain_twin(2, 2, 15, 0, false);
   query_equals_its_plain_twin(3, 3, 10, 0, true);
   query_equals_its_plain_twin(4, 4, 10, 0, true);
+  query_equals_its_plain_twin(10, 12, 12, 0, false);
+  query_equals_its_plain_twin(11, 13, 8, 0, true);
 }
 
 static void what_is_visible_equals_its_plain_twin(void** state) {
