@@ -101,9 +101,10 @@ static void fill_assets(scree_field* field, const field_source* s) {
       memcpy(asset->centroid, rock->centroid, sizeof asset->centroid);
       asset->inner_radius = rock->inner_radius;
       asset->outer_radius = rock->outer_radius;
-      asset->burial = rock->burial > 0 && rock->burial < SCREE_BURIAL_NEVER ? (uint8_t)rock->burial : SCREE_BURIAL_NEVER;
-      asset->siblings = (uint8_t)(s->cell_first[cell + 1] - s->cell_first[cell]);
-      if (asset->burial < SCREE_BURIAL_NEVER && asset->burial > field->deepest_burial) field->deepest_burial = asset->burial;
+      field_hiding* hiding = &field->hidings[i];
+      hiding->burial = rock->burial > 0 && rock->burial < SCREE_BURIAL_NEVER ? (uint8_t)rock->burial : SCREE_BURIAL_NEVER;
+      hiding->siblings = (uint8_t)(s->cell_first[cell + 1] - s->cell_first[cell]);
+      if (hiding->burial < SCREE_BURIAL_NEVER && hiding->burial > field->deepest_burial) field->deepest_burial = hiding->burial;
     }
 }
 
@@ -125,7 +126,7 @@ static void fill_bare(scree_field* field) {
     const field_tile* tile = &field->tiles[code];
     tile_slots slots = field_slots(field, tile);
     for (uint32_t i = 0; i < tile->block_first[FIELD_BLOCKS]; ++i)
-      field->bare[(size_t)tile->rocks * FIELD_OCTET + i] = field->assets[slots.asset[i]].burial == SCREE_BURIAL_NEVER;
+      field->bare[(size_t)tile->rocks * FIELD_OCTET + i] = field->hidings[slots.asset[i]].burial == SCREE_BURIAL_NEVER;
   }
 }
 
@@ -244,11 +245,13 @@ scree_result scree_rt_field_create_from_source(const scree_field_desc* desc, con
   size_t cells = (size_t)source->cells_per_cube * source->cells_per_cube * source->cells_per_cube;
   bool empty = some_cell_is_empty(source), bare = some_rock_is_bare(source);
   field->assets = scree_rt_allocate_zeroed(&allocator, (size_t)source->asset_count + 1, sizeof *field->assets);
+  field->hidings = scree_rt_allocate_zeroed(&allocator, (size_t)source->asset_count + 1, sizeof *field->hidings);
   field->cell_places = scree_rt_allocate_zeroed(&allocator, cells, sizeof *field->cell_places);
   if (empty) field->cell_counts = scree_rt_allocate_zeroed(&allocator, 256 * cells, 1);
   if (bare) field->bare = scree_rt_allocate_zeroed(&allocator, field->mean_radius_count, 1);
   if (field->rocks == NULL || field->layouts == NULL || field->mean_radius == NULL || field->assets == NULL ||
-      field->cell_places == NULL || (empty && field->cell_counts == NULL) || (bare && field->bare == NULL)) {
+      field->hidings == NULL || field->cell_places == NULL || (empty && field->cell_counts == NULL) ||
+      (bare && field->bare == NULL)) {
     scree_field_destroy(field);
     return SCREE_ERROR_OUT_OF_MEMORY;
   }
@@ -269,6 +272,7 @@ void scree_field_destroy(scree_field* field) {
   scree_rt_release(&allocator, field->mean_radius, field->mean_radius_count, sizeof *field->mean_radius);
   size_t cells = (size_t)field->cells_per_cube * field->cells_per_cube * field->cells_per_cube;
   scree_rt_release(&allocator, field->assets, (size_t)field->asset_count + 1, sizeof *field->assets);
+  scree_rt_release(&allocator, field->hidings, (size_t)field->asset_count + 1, sizeof *field->hidings);
   scree_rt_release(&allocator, field->cell_places, cells, sizeof *field->cell_places);
   scree_rt_release(&allocator, field->cell_counts, 256 * cells, 1);
   scree_rt_release(&allocator, field->bare, field->mean_radius_count, 1);

@@ -43,9 +43,13 @@ typedef struct field_source {
 typedef struct field_asset {
   float centroid[3];
   float inner_radius, outer_radius;
+} field_asset;
+
+/* What burial asks about an asset; apart, so that those of a whole pack stay in the nearest cache. */
+typedef struct field_hiding {
   uint8_t burial;   /* 1..SCREE_BURIAL_NEVER */
   uint8_t siblings; /* rocks of its cell, itself included */
-} field_asset;
+} field_hiding;
 
 typedef struct field_tile {
   uint32_t rocks; /* its rocks in scree_field.rocks, in units of 16 * FIELD_OCTET bytes */
@@ -78,6 +82,7 @@ struct scree_field {
 
   const scree_pack* pack; /* or NULL: a field of a test */
   field_asset* assets;    /* asset_count */
+  field_hiding* hidings;  /* asset_count */
   uint32_t asset_count;
   uint32_t deepest_burial;    /* the largest that is less than SCREE_BURIAL_NEVER; 0 = no rock is ever hidden */
   uint8_t* cell_counts;       /* rocks of each cell of each tile, [256][N][N][N]; NULL where no cell is empty */

@@ -424,7 +424,7 @@ static uint32_t note_octet(const walk* w, const cube_view* c, uint32_t slot, uin
       continue;
     }
     const int64_t cell[3] = {c->at[0] * w->n + s->cx[k], c->at[1] * w->n + s->cy[k], c->at[2] * w->n + s->cz[k]};
-    grid_add(grid_cell(w->run->deep, cell), w->field->assets[s->asset[k]].siblings);
+    grid_add(grid_cell(w->run->deep, cell), w->field->hidings[s->asset[k]].siblings);
   }
   return bare;
 }

@@ -172,7 +172,7 @@ scree_result scree_rt_scene_cull(scene_question* q, uint32_t index) {
     if (edited && scree_edits_get(q->edits, &id) != SCREE_EDIT_NONE) continue;
     step_to(&steps, &id);
     grid_add(grid->cells + steps.first_byte + steps.byte_of[field_cell_of(field, id.local)],
-             field->assets[q->instances[i].asset].siblings);
+             field->hidings[q->instances[i].asset].siblings);
   }
   if (field->cell_counts != NULL) mark_empty_cells(field, grid);
 
@@ -191,7 +191,7 @@ scree_result scree_rt_scene_cull(scene_question* q, uint32_t index) {
   uint64_t kept = rocks->first;
   for (uint64_t i = rocks->first; i < end; ++i) {
     const scree_id* id = &q->ids[i];
-    uint32_t burial = field->assets[q->instances[i].asset].burial;
+    uint32_t burial = field->hidings[q->instances[i].asset].burial;
     step_to(&steps, id);
     size_t bit = (size_t)(steps.first_bit + steps.bit_of[field_cell_of(field, id->local)]);
     if (burial < SCREE_BURIAL_NEVER && (levels[size * (burial - 1) + bit / 64] >> (bit % 64) & 1)) continue;

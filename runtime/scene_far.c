@@ -29,6 +29,7 @@ typedef struct far_tables {
   float mean_radius[FAR_PADDED];
   uint8_t places[FAR_PARTS][4];
   field_asset parts[FAR_PARTS];
+  field_hiding hidings[FAR_PARTS];
 } far_tables;
 
 _Static_assert(offsetof(far_tables, assets) - offsetof(far_tables, xyz) == 12 * FAR_PADDED, "as in field_slots");
@@ -80,8 +81,7 @@ static void make_tables(far_tables* t, const scene_layer* layer, double scale) {
     field->balls.radius[i] = (float)field->cell_size * 1e-6f;
     t->assets[i] = t->locals[i] = i;
     t->mean_radius[i] = radius;
-    t->parts[i].burial = 1;
-    t->parts[i].siblings = 1;
+    t->hidings[i] = (field_hiding){1, 1};
   }
   for (uint32_t code = 0; code < 256; ++code) {
     field_tile* tile = &field->tiles[code];
@@ -93,6 +93,7 @@ static void make_tables(far_tables* t, const scene_layer* layer, double scale) {
   field->mean_radius = t->mean_radius;
   field->cell_places = t->places;
   field->assets = t->parts;
+  field->hidings = t->hidings;
 
   t->layer.given = layer->given;
   t->layer.given.field = field;
