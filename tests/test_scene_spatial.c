@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include <cmocka.h>
+#include <scree/threads.h>
 
 #include "failing_allocator.h"
 #include "random_support.h"
@@ -562,10 +563,12 @@ static answers ask_everything(const world* w, scree_scratch* scratch) {
   static const float ball[3] = {0, 0, 0};
   scree_convex shape = {.points = ball, .point_count = 1, .radius = 4};
   memcpy(shape.origin, w->middle, sizeof shape.origin);
-  static scree_rock rocks[20000];
+  scree_rock* rocks = malloc(20000 * sizeof *rocks);
+  assert_non_null(rocks);
   a.ray = scree_scene_ray_cast(w->scene, w->edits, scratch, start, direction, 1e5, &a.found, &a.hit);
   a.overlap = scree_scene_overlap(w->scene, w->edits, scratch, &shape, rocks, 20000, &a.overlapping);
   a.near = scree_scene_near(w->scene, w->edits, scratch, points, 20, 1.5, w->middle, rocks, 20000, &a.nearby);
+  free(rocks);
   return a;
 }
 
@@ -615,6 +618,44 @@ static void nothing_allocates_once_the_scratch_has_grown(void** state) {
   destroy_world(&w);
 }
 
+typedef struct shared_question {
+  const world* w;
+  scree_scratch* scratch[4];
+  answers expected;
+  uint32_t wrong[4];
+} shared_question;
+
+static void ask_in_thread(void* context, uint32_t index, uint32_t worker) {
+  (void)index;
+  shared_question* q = context;
+  const answers a = ask_everything(q->w, q->scratch[worker]);
+  const answers* e = &q->expected;
+  const bool same = a.ray == e->ray && a.overlap == e->overlap && a.near == e->near && a.found == e->found &&
+                    memcmp(&a.hit, &e->hit, sizeof a.hit) == 0 && a.overlapping == e->overlapping && a.nearby == e->nearby;
+  q->wrong[worker] += !same;
+}
+
+static void threads_share_a_scene_and_its_edits(void** state) {
+  (void)state;
+  scree_threads* threads;
+  if (scree_threads_create(3, NULL, &threads) != SCREE_OK) skip();
+  const scree_jobs jobs = scree_threads_jobs(threads);
+  assert_true(jobs.worker_count <= 4);
+  random_stream r = {13};
+  world w;
+  make_world(&w, &r, 3, 0);
+  random_edits(&w, &r);
+  shared_question q = {.w = &w, .expected = ask_everything(&w, w.scratch)};
+  for (int i = 0; i < 4; ++i) assert_int_equal(scree_scratch_create(NULL, &q.scratch[i]), SCREE_OK);
+  jobs.parallel_for(jobs.user, 20, ask_in_thread, &q);
+  for (int i = 0; i < 4; ++i) {
+    assert_int_equal(q.wrong[i], 0);
+    scree_scratch_destroy(q.scratch[i]);
+  }
+  scree_threads_destroy(threads);
+  destroy_world(&w);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(rays_hit_the_nearest_of_all_rocks),
@@ -629,6 +670,7 @@ int main(void) {
       cmocka_unit_test(wrong_arguments_are_refused),
       cmocka_unit_test(failing_allocations_are_reported_and_lose_nothing),
       cmocka_unit_test(nothing_allocates_once_the_scratch_has_grown),
+      cmocka_unit_test(threads_share_a_scene_and_its_edits),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
