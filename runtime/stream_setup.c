@@ -306,7 +306,7 @@ static void set_up_layer(scree_stream* s, uint32_t index) {
   layer->cell = (float)field->cell_size;
   layer->cube = field->cell_size * (double)field->cells_per_cube;
   for (int a = 0; a < 3; ++a) layer->low[a] = field->origin[a] - 0.5 * field->cell_size;
-  layer->far_field = false; /* until scenes deliver proxies */
+  layer->far_field = !s->desc.no_far_field && s->packs[layer->pack].total > s->packs[layer->pack].assets;
   layer->root = STREAM_NONE;
   layer->root_due = -INFINITY;
   layer->top = 1;

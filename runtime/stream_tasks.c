@@ -162,7 +162,7 @@ static void run_build(stream_task* task) {
     b->result =
         scree_rt_scene_block(s->scene, s->desc.edits, b->layer, b->low, b->high, b->origin, true, b->scratch, &rocks, &count);
   else
-    b->result = SCREE_OK;
+    b->result = scree_rt_scene_far(s->scene, b->layer, b->level - 1, b->low, b->high, b->origin, b->scratch, &rocks, &count);
   if (b->result != SCREE_OK || count == 0) return;
   if (!reserve_build(b, count)) {
     b->result = SCREE_ERROR_OUT_OF_MEMORY;

@@ -405,7 +405,10 @@ static double visit(scree_stream* s, uint32_t number, uint8_t context) {
       split = scaled < (node->split ? far : near);
       due = fmin(due, s->travel + (split ? far - scaled : scaled - near));
       if (split && (context & CONTEXT_COVERED)) split = false;
-      if (split && node->shown_below == 0 && !node->opened && is_wholly_near(s, low, high)) split = false;
+      if (split && node->shown_below == 0 && !node->opened && is_wholly_near(s, low, high)) {
+        split = false;
+        due = pend(s); /* it shows itself first, and is split then */
+      }
     }
     double order = build_order(s, node, low, high, scaled);
     due = fmin(due, split ? visit_split(s, number, context) : visit_leaf(s, number, context, order));

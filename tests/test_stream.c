@@ -263,6 +263,170 @@ static void a_bad_question_changes_nothing(void** state) {
   stream_world_free(&w);
 }
 
+/* --- far fields ------------------------------------------------------------------------------------------------------------- */
+
+/* How many shown blocks hold the place of each rock that is in view: the cube that a rock lies in, at the level of the block. */
+static void count_covers(const stream_host* h, const scree_rock* rock, uint32_t* covers, uint32_t* finest) {
+  *covers = 0;
+  *finest = UINT32_MAX;
+  for (uint32_t k = 0; k < h->caps.blocks; ++k) {
+    const host_block* b = &h->blocks[k];
+    if (!b->shown || b->leaving) continue;
+    double width = 12.0 * (double)(1u << b->level);
+    bool inside = true;
+    for (int a = 0; a < 3; ++a)
+      inside =
+          inside && (double)rock->position[a] >= b->origin[a] - 1e-4 && (double)rock->position[a] < b->origin[a] + width - 1e-4;
+    if (!inside) continue;
+    ++*covers;
+    if (b->level < *finest) *finest = b->level;
+  }
+}
+
+static double split_distance(const stream_host* h, uint32_t level) {
+  double pixels = 1080 / (2 * tan(1.0471976 / 2));
+  return 0.4 * (double)(1u << (level - 1)) * pixels / (double)h->desc.max_error_pixels; /* as stream_pack_make says */
+}
+
+static void far_rocks_are_drawn_once_as_proxies_and_near_ones_as_rocks(void** state) {
+  (void)state;
+  stream_world w;
+  stream_world_make(&w, &(stream_world_desc){.proxies = true});
+  scree_stream_desc desc = {.scene = w.scene,
+                            .view_distance = 90,
+                            .max_error_pixels = 25,
+                            .hysteresis = 1e-3f,
+                            .caps = {.blocks = 512, .instances = 65536},
+                            .decode = stream_decode_pattern};
+  stream_host h;
+  host_create(&h, &desc, NULL);
+  scree_scratch* scratch;
+  assert_int_equal(scree_scratch_create(NULL, &scratch), SCREE_OK);
+  scree_scene_query_desc query = {.scene = w.scene, .flags = SCREE_SCENE_VISIBLE};
+  uint64_t count;
+  assert_int_equal(scree_scene_count(&query, scratch, &count), SCREE_OK);
+  scree_rock* rocks = malloc(count * sizeof *rocks);
+  assert_int_equal(scree_scene_fill(&query, scratch, rocks, count, &count), SCREE_OK);
+  random_stream r = {9};
+  scree_view view = host_view(0, 3, 0);
+  uint64_t as_rocks = 0, as_proxies = 0;
+  for (int i = 0; i < 60; ++i) {
+    for (int a = 0; a < 3; a += 2) view.position[a] = i % 10 ? view.position[a] + random_in(&r, -8, 8) : random_in(&r, -60, 60);
+    host_settle(&h, &view, 1, 500);
+    host_check(&h);
+    scree_stream_stats stats;
+    scree_stream_get_stats(h.stream, &stats);
+    assert_true(stats.complete);
+    for (uint64_t k = 0; k < count; k += 37) {
+      uint32_t covers, level;
+      count_covers(&h, &rocks[k], &covers, &level);
+      double sum = 0;
+      for (int a = 0; a < 3; ++a) sum += pow((double)rocks[k].position[a] - view.position[a], 2);
+      double distance = sqrt(sum);
+      assert_true(covers <= 1);
+      if (distance < split_distance(&h, 1)) assert_true(covers == 1 && level == 0);
+      if (covers == 1 && level > 0) {
+        ++as_proxies; /* no nearer than the rule allows, for the farthest point of the node */
+        assert_true(distance >= split_distance(&h, level) * (1 - 1e-6));
+      }
+      if (covers == 1 && level == 0) {
+        ++as_rocks;
+        assert_true(distance < split_distance(&h, 1) * 1.01 + 24 * 1.7320508);
+      }
+    }
+  }
+  assert_true(as_rocks > 1000 && as_proxies > 1000);
+  free(rocks);
+  scree_scratch_destroy(scratch);
+  host_destroy(&h);
+  stream_world_free(&w);
+}
+
+static void a_flight_never_makes_a_hole(void** state) {
+  (void)state;
+  stream_world w;
+  stream_world_make(&w, &(stream_world_desc){.proxies = true});
+  for (int round = 0; round < 3; ++round) {
+    scree_stream_desc desc = {.scene = w.scene,
+                              .view_distance = 90,
+                              .max_error_pixels = 25,
+                              .fade_seconds = round == 1 ? 0.2f : 0,
+                              .caps = {.blocks = 512, .instances = 65536, .builds = round == 2 ? 3 : 0},
+                              .decode = stream_decode_pattern};
+    stream_host h;
+    host_create(&h, &desc, NULL);
+    scree_scratch* scratch;
+    assert_int_equal(scree_scratch_create(NULL, &scratch), SCREE_OK);
+    scree_scene_query_desc query = {.scene = w.scene, .flags = SCREE_SCENE_VISIBLE};
+    uint64_t count;
+    assert_int_equal(scree_scene_count(&query, scratch, &count), SCREE_OK);
+    scree_rock* rocks = malloc(count * sizeof *rocks);
+    assert_int_equal(scree_scene_fill(&query, scratch, rocks, count, &count), SCREE_OK);
+    uint64_t kept = 0; /* some of them, of the middle of the slab, all of which stay in view */
+    for (uint64_t k = 0; k < count; k += 101) rocks[kept++] = rocks[k];
+    scree_view view = host_view(-25, 4, 0);
+    host_settle(&h, &view, 1, 1000);
+    bool* covered = calloc(kept, sizeof *covered);
+    uint64_t lost = 0, drawn = 0;
+    for (int i = 0; i < 200; ++i) {
+      view.position[0] += 0.25;
+      view.position[2] += 0.1 * sin(i * 0.1);
+      host_update(&h, &view, 1);
+      for (uint64_t k = 0; k < kept; ++k) {
+        double sum = 0;
+        for (int a = 0; a < 3; ++a) sum += pow((double)rocks[k].position[a] - view.position[a], 2);
+        if (sum > 60 * 60) continue;
+        uint32_t covers, level;
+        count_covers(&h, &rocks[k], &covers, &level);
+        lost += covered[k] && covers == 0;
+        drawn += covers > 0;
+        covered[k] = covers > 0;
+      }
+    }
+    assert_true(drawn > 10000);
+    assert_int_equal(lost, 0);
+    free(covered);
+    free(rocks);
+    scree_scratch_destroy(scratch);
+    host_destroy(&h);
+  }
+  stream_world_free(&w);
+}
+
+/* A far field over everything the events may do: jumps, fades, caps that bind. */
+static void a_far_field_passes_no_cap(void** state) {
+  (void)state;
+  stream_world w;
+  stream_world_make(&w, &(stream_world_desc){.proxies = true});
+  for (int round = 0; round < 4; ++round) {
+    scree_stream_desc desc = {.scene = w.scene,
+                              .edits = w.edits,
+                              .view_distance = 90,
+                              .max_error_pixels = 10,
+                              .fade_seconds = round & 1 ? 0.1f : 0,
+                              .caps = {.blocks = round & 2 ? 40 : 400,
+                                       .instances = round & 2 ? 5000 : 20000,
+                                       .upload_bytes = 200000,
+                                       .events = round & 2 ? 60 : 0},
+                              .decode = stream_decode_pattern};
+    stream_host h;
+    host_create(&h, &desc, NULL);
+    random_stream r = {(uint64_t)round};
+    scree_view view = host_view(0, 5, 0);
+    for (int i = 0; i < 800; ++i) {
+      for (int a = 0; a < 3; a += 2) view.position[a] = i % 40 ? view.position[a] + random_in(&r, -2, 2) : random_in(&r, -70, 70);
+      if (i % 50 == 10) assert_int_equal(scree_stream_edited(h.stream, NULL, 0), SCREE_OK);
+      host_update(&h, &view, 1);
+      if (i % 20 == 0) host_check(&h);
+    }
+    view.position[0] = view.position[2] = 0;
+    host_settle(&h, &view, 1, 3000);
+    assert_true(h.shown_instances > 0);
+    host_destroy(&h);
+  }
+  stream_world_free(&w);
+}
+
 /* Memory that is counted, of which the n-th allocation fails. */
 typedef struct counted_memory {
   size_t bytes;
@@ -350,6 +514,9 @@ int main(void) {
       cmocka_unit_test(without_a_decoder_only_coarsest_levels_are_drawn),
       cmocka_unit_test(meshes_that_cannot_be_decoded_cost_levels_and_nothing_else),
       cmocka_unit_test(a_bad_question_changes_nothing),
+      cmocka_unit_test(far_rocks_are_drawn_once_as_proxies_and_near_ones_as_rocks),
+      cmocka_unit_test(a_flight_never_makes_a_hole),
+      cmocka_unit_test(a_far_field_passes_no_cap),
       cmocka_unit_test(memory_is_what_the_formula_says_and_does_not_grow),
       cmocka_unit_test(a_failing_allocation_costs_time_and_nothing_else),
   };
