@@ -1,4 +1,5 @@
-/* Short vectors of floats for the kernels that are compiled twice, once for the plain target and once for AVX2.
+/* Short vectors of floats for the kernels, in runtime/ and in bake/, that are compiled twice, once for the plain target and once
+ * for AVX2.
  *
  * Everything here has one meaning whatever the width: the lanes never talk to each other, and each operation is the IEEE one
  * that the scalar language has. So both builds of a kernel give the same bits. Comparisons give all ones or all zeros.
@@ -10,16 +11,21 @@
 #include <stdint.h>
 #include <string.h>
 
-#if defined(__AVX2__)
-#include <immintrin.h>
+/* Whoever includes this may ask for a width; the compiler then makes up what the machine's registers do not hold. */
+#if !defined(SIMD_WIDTH) && defined(__AVX2__)
 #define SIMD_WIDTH 8
-#else
+#elif !defined(SIMD_WIDTH)
 #define SIMD_WIDTH 4
-#if defined(__SSE2__)
-#include <emmintrin.h>
-#elif defined(__aarch64__)
-#include <arm_neon.h>
 #endif
+#if SIMD_WIDTH == 8 && defined(__AVX2__)
+#define SIMD_AVX2
+#include <immintrin.h>
+#elif SIMD_WIDTH == 4 && defined(__SSE2__)
+#define SIMD_SSE2
+#include <emmintrin.h>
+#elif SIMD_WIDTH == 4 && defined(__aarch64__)
+#define SIMD_NEON
+#include <arm_neon.h>
 #endif
 
 typedef float vfloat __attribute__((vector_size(4 * SIMD_WIDTH)));
@@ -46,18 +52,22 @@ static inline vint v_set_int(int32_t x) {
 
 /* mask ? a : b, lane by lane. */
 static inline vfloat v_select(vint mask, vfloat a, vfloat b) {
-#if defined(__AVX2__)
+#if defined(SIMD_AVX2)
   return (vfloat)_mm256_blendv_ps((__m256)b, (__m256)a, (__m256)mask);
 #else
   return (vfloat)(((vint)a & mask) | ((vint)b & ~mask));
 #endif
 }
 
+static inline vint v_select_int(vint mask, vint a, vint b) {
+  return (a & mask) | (b & ~mask);
+}
+
 /* a < b ? a : b and a > b ? a : b: the second when a lane is not a number, which is how a bound is put on anything at all. */
 static inline vfloat v_min(vfloat a, vfloat b) {
-#if defined(__AVX2__)
+#if defined(SIMD_AVX2)
   return (vfloat)_mm256_min_ps((__m256)a, (__m256)b);
-#elif defined(__SSE2__)
+#elif defined(SIMD_SSE2)
   return (vfloat)_mm_min_ps((__m128)a, (__m128)b);
 #else
   return v_select(a < b, a, b);
@@ -65,9 +75,9 @@ static inline vfloat v_min(vfloat a, vfloat b) {
 }
 
 static inline vfloat v_max(vfloat a, vfloat b) {
-#if defined(__AVX2__)
+#if defined(SIMD_AVX2)
   return (vfloat)_mm256_max_ps((__m256)a, (__m256)b);
-#elif defined(__SSE2__)
+#elif defined(SIMD_SSE2)
   return (vfloat)_mm_max_ps((__m128)a, (__m128)b);
 #else
   return v_select(a > b, a, b);
@@ -83,11 +93,11 @@ static inline vfloat v_abs(vfloat v) {
 }
 
 static inline vfloat v_sqrt(vfloat v) {
-#if defined(__AVX2__)
+#if defined(SIMD_AVX2)
   return (vfloat)_mm256_sqrt_ps((__m256)v);
-#elif defined(__SSE2__)
+#elif defined(SIMD_SSE2)
   return (vfloat)_mm_sqrt_ps((__m128)v);
-#elif defined(__aarch64__)
+#elif defined(SIMD_NEON)
   return (vfloat)vsqrtq_f32((float32x4_t)v);
 #else
   for (int i = 0; i < SIMD_WIDTH; ++i) v[i] = sqrtf(v[i]);
@@ -106,7 +116,7 @@ static inline vfloat v_from_int(vint v) {
 
 /* The largest whole number that is not larger; of any float. Never -0. */
 static inline vfloat v_floor(vfloat v) {
-#if defined(__AVX2__)
+#if defined(SIMD_AVX2)
   return (vfloat)_mm256_floor_ps((__m256)v) + v_set(0);
 #else
   const vfloat whole = v_set(8388608); /* from here on floats have no fractions */
@@ -118,9 +128,9 @@ static inline vfloat v_floor(vfloat v) {
 
 /* Bit i is set where lane i of a comparison is. */
 static inline uint32_t v_bits(vint mask) {
-#if defined(__AVX2__)
+#if defined(SIMD_AVX2)
   return (uint32_t)_mm256_movemask_ps((__m256)mask);
-#elif defined(__SSE2__)
+#elif defined(SIMD_SSE2)
   return (uint32_t)_mm_movemask_ps((__m128)mask);
 #else
   uint32_t bits = 0;
@@ -131,7 +141,7 @@ static inline uint32_t v_bits(vint mask) {
 
 /* table[index], lane by lane; GCC 12 does not find the AVX2 gather by itself. */
 static inline vfloat v_gather(const float* table, vint index) {
-#if defined(__AVX2__)
+#if defined(SIMD_AVX2)
   return (vfloat)_mm256_i32gather_ps(table, (__m256i)index, 4);
 #else
   vfloat v = {0};
