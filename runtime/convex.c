@@ -61,8 +61,8 @@ static uint32_t farthest(const convex_hull* hull, vec along) {
   const uint32_t count = hull->count;
   for (uint32_t i = 0; i < count; ++i) values[i] = (double)x[i] * along.x + (double)y[i] * along.y + (double)z[i] * along.z;
   uint32_t best = 0;
-  double most = values[0];
-  for (uint32_t i = 1; i < count; ++i) {
+  double most = -(double)INFINITY;
+  for (uint32_t i = 0; i < count; ++i) {
     best = values[i] > most ? i : best;
     most = values[i] > most ? values[i] : most;
   }
