@@ -394,6 +394,7 @@ static void wrong_scenes_are_refused_by_name(void** state) {
     change;                                                                      \
     assert_int_equal(scree_scene_create(&desc, NULL, &scene, &error), code);     \
     if (strstr(error.message, words) == NULL) fail_msg("%s", error.message);     \
+    scree_scene_destroy(scene);                                                  \
     assert_int_equal(scree_scene_create(&desc, NULL, &scene, NULL), code);       \
     scree_scene_destroy(scene);                                                  \
   } while (0)
