@@ -8,7 +8,7 @@ typedef struct bake_worker {
   rock_worker rock;
   rock_mesher mesher;
   bool started;
-  double mesh_seconds, encode_seconds, burial_seconds;
+  double mesh_seconds, encode_seconds, burial_seconds, proxy_seconds;
 } bake_worker;
 
 typedef struct bake_run {

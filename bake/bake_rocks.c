@@ -11,6 +11,8 @@
 #include "lattice.h"
 #include "pack_writer.h"
 #include "plain_encode.h"
+#include "plain_mesh.h"
+#include "proxies.h"
 #include "recipe.h"
 
 #define TILES 256
@@ -119,6 +121,9 @@ typedef struct set_bake {
   rock_mask* masks;        /* by slot */
   burial_count* burials;   /* by slot */
   burial_scratch* burying; /* by worker, made when it is first needed */
+  proxy_record* proxies;   /* by (code, part), NULL when the recipe wants none */
+  proxy_scratch* merging;  /* by worker, made when it is first needed */
+  uint32_t rock_occlusion; /* mean of all vertices of all coarsest levels */
   const char* stage;       /* that runs now */
   uint32_t jobs;           /* of all stages */
   atomic_uint jobs_done;
@@ -127,11 +132,14 @@ typedef struct set_bake {
   atomic_int failure;    /* first scree_result that was not SCREE_OK */
 } set_bake;
 
+static void free_levels(rock_lod* lods, const scree_allocator* allocator) {
+  for (uint32_t level = 0; level < ROCK_MAX_LODS; ++level) scree_rt_release(allocator, lods[level].blob, lods[level].blob_size, 1);
+}
+
 static void free_record(rock_record* rock, const scree_allocator* allocator) {
   scree_rt_release(allocator, rock->hull, rock->hull_count, sizeof *rock->hull);
   scree_rt_release(allocator, rock->contacts, rock->contact_count, sizeof *rock->contacts);
-  for (uint32_t level = 0; level < ROCK_MAX_LODS; ++level)
-    scree_rt_release(allocator, rock->lods[level].blob, rock->lods[level].blob_size, 1);
+  free_levels(rock->lods, allocator);
 }
 
 static scree_result copy_contacts(const bake_run* bake, const rock_worker* worker, rock_record* out) {
@@ -235,6 +243,44 @@ static void bury_tile(void* context, uint32_t tile, uint32_t worker_number) {
   report_job(set);
 }
 
+static void merge_tile(void* context, uint32_t tile, uint32_t worker_number) {
+  set_bake* set = context;
+  if (failed(set)) return;
+  const double start = clock_seconds();
+  proxy_scratch* scratch = &set->merging[worker_number];
+  scree_result result = scratch->bake != NULL ? SCREE_OK : proxy_scratch_create(set->bake, scratch);
+  if (result == SCREE_OK)
+    result = proxies_of_tile(scratch, tile, set->masks, set->rock_occlusion, &set->proxies[(size_t)tile * PROXY_PARTS]);
+  if (result != SCREE_OK) fail(set, result);
+  set->bake->workers[worker_number].proxy_seconds += clock_seconds() - start;
+  report_job(set);
+}
+
+static uint32_t mean_occlusion(const set_bake* set) {
+  uint64_t sum = 0, vertices = 0;
+  for (uint32_t slot = 0; slot < set->bake->slot_count; ++slot) {
+    const rock_lod* level = &set->rocks[slot].lods[set->bake->recipe.lod_levels - 1];
+    plain_mesh mesh;
+    if (level->blob == NULL ||
+        !scree_rt_plain_mesh_read(level->blob, level->blob_size, level->vertex_count, level->triangle_count, &mesh))
+      continue;
+    for (uint32_t v = 0; v < mesh.vertex_count; ++v) sum += mesh.occlusion[v];
+    vertices += mesh.vertex_count;
+  }
+  return vertices > 0 ? (uint32_t)(sum / vertices) : 255;
+}
+
+static scree_result bake_proxies(set_bake* set, const scree_jobs* jobs) {
+  bake_run* bake = set->bake;
+  set->proxies = scree_rt_allocate_zeroed(&bake->allocator, (size_t)TILES * PROXY_PARTS, sizeof *set->proxies);
+  set->merging = scree_rt_allocate_zeroed(&bake->allocator, bake->worker_count, sizeof *set->merging);
+  if (set->proxies == NULL || set->merging == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
+  set->rock_occlusion = mean_occlusion(set);
+  set->stage = "proxies";
+  run_jobs(jobs, TILES, merge_tile, set);
+  return (scree_result)atomic_load(&set->failure);
+}
+
 /* Everything that is made of rocks, into the records. */
 static scree_result bake_set(set_bake* set, const scree_jobs* jobs) {
   bake_run* bake = set->bake;
@@ -243,13 +289,14 @@ static scree_result bake_set(set_bake* set, const scree_jobs* jobs) {
   set->burials = scree_rt_allocate_zeroed(&bake->allocator, bake->slot_count, sizeof *set->burials);
   set->burying = scree_rt_allocate_zeroed(&bake->allocator, bake->worker_count, sizeof *set->burying);
   if (set->rocks == NULL || set->masks == NULL || set->burials == NULL || set->burying == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
-  set->jobs = 2 * TILES;
+  set->jobs = (bake->recipe.proxies ? 3 : 2) * TILES;
   set->stage = "rocks";
   run_jobs(jobs, TILES, bake_tile, set);
   set->stage = "burial";
   if (!failed(set)) run_jobs(jobs, TILES, bury_tile, set);
   for (uint32_t slot = 0; slot < bake->slot_count; ++slot) set->rocks[slot].burial = burial_of_rock(&set->burials[slot]);
-  return (scree_result)atomic_load(&set->failure);
+  const scree_result result = (scree_result)atomic_load(&set->failure);
+  return result == SCREE_OK && bake->recipe.proxies ? bake_proxies(set, jobs) : result;
 }
 
 static void free_set(set_bake* set) {
@@ -258,6 +305,10 @@ static void free_set(set_bake* set) {
   for (uint32_t slot = 0; set->rocks != NULL && slot < bake->slot_count; ++slot) free_record(&set->rocks[slot], allocator);
   for (uint32_t slot = 0; set->masks != NULL && slot < bake->slot_count; ++slot) rock_mask_free(&set->masks[slot], allocator);
   for (uint32_t w = 0; set->burying != NULL && w < bake->worker_count; ++w) burial_scratch_destroy(bake, &set->burying[w]);
+  for (uint32_t i = 0; set->proxies != NULL && i < TILES * PROXY_PARTS; ++i) free_levels(set->proxies[i].lods, allocator);
+  for (uint32_t w = 0; set->merging != NULL && w < bake->worker_count; ++w) proxy_scratch_destroy(&set->merging[w]);
+  scree_rt_release(allocator, set->proxies, (size_t)TILES * PROXY_PARTS, sizeof *set->proxies);
+  scree_rt_release(allocator, set->merging, bake->worker_count, sizeof *set->merging);
   scree_rt_release(allocator, set->rocks, bake->slot_count, sizeof *set->rocks);
   scree_rt_release(allocator, set->masks, bake->slot_count, sizeof *set->masks);
   scree_rt_release(allocator, set->burials, bake->slot_count, sizeof *set->burials);
@@ -278,13 +329,21 @@ static void fill_report(const set_bake* set, const rock_set* rocks, double secon
       report->lod_triangles[level] += rocks->rocks[r].lods[level].triangle_count;
   }
   for (uint32_t level = 0; level < rocks->lod_count; ++level) report->triangles += report->lod_triangles[level];
-  double stage[6] = {0};
+  for (uint32_t i = 0; rocks->proxies != NULL && i < TILES * PROXY_PARTS; ++i) {
+    ++report->proxies;
+    for (uint32_t level = 0; level < rocks->lod_count; ++level) {
+      report->proxy_triangles += rocks->proxies[i].lods[level].triangle_count;
+      report->proxy_bytes += rocks->proxies[i].lods[level].blob_size;
+    }
+  }
+  double stage[7] = {0};
   for (uint32_t w = 0; w < set->bake->worker_count; ++w) {
     const bake_worker* worker = &set->bake->workers[w];
     for (int i = 0; i < 3; ++i) stage[i] += worker->rock.seconds[i];
     stage[3] += worker->mesh_seconds;
     stage[4] += worker->encode_seconds;
     stage[5] += worker->burial_seconds;
+    stage[6] += worker->proxy_seconds;
   }
   add_stage(report, "voronoi", stage[0]);
   add_stage(report, "contacts", stage[1]);
@@ -292,6 +351,7 @@ static void fill_report(const set_bake* set, const rock_set* rocks, double secon
   add_stage(report, "meshes", stage[3]);
   add_stage(report, "encode", stage[4]);
   add_stage(report, "burial", stage[5]);
+  add_stage(report, "proxies", stage[6]);
   add_stage(report, "write", write_seconds);
   report->seconds = seconds;
 }
@@ -346,6 +406,8 @@ scree_result scree_bake_rocks(const scree_bake_desc* desc, uint8_t** bytes, size
                               .rock_count = kept,
                               .cell_first = cell_first,
                               .rocks = set.rocks,
+                              .proxies = set.proxies,
+                              .proxy_per_cell = set.proxies != NULL ? proxies_per_cell(&bake) : 0,
                               .recipe = recipe_text};
       result = pack_write(&rocks, &bake.allocator, bytes, size);
       if (result == SCREE_OK && report != NULL) {

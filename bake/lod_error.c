@@ -1,6 +1,7 @@
 #include "lod_error.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* Squared distance from p to triangle abc. (Ericson, Real-Time Collision Detection, 2004, section 5.1.5.) */
@@ -135,4 +136,23 @@ float lod_error(const mesh_buffer* fine, const mesh_buffer* coarse, const voxel_
     if (d2 > worst) worst = d2;
   }
   return sqrtf(worst);
+}
+
+static int compare_floats(const void* a, const void* b) {
+  const float x = *(const float*)a, y = *(const float*)b;
+  return (x > y) - (x < y);
+}
+
+float lod_error_of_most(const mesh_buffer* fine, const mesh_buffer* coarse, const voxel_field* field, uint32_t* scratch,
+                        float* distances) {
+  enum { ENOUGH = 40 };
+  uint32_t* list = scratch + coarse->vertex_count + 1;
+  sort_triangles(coarse, scratch, list);
+  sort_vertices(coarse, field);
+  const target to = {coarse, field, scratch, list};
+  const uint32_t skip = fine->vertex_count / ENOUGH + 1;
+  uint32_t count = 0;
+  for (uint32_t v = 0; v < fine->vertex_count; v += skip) distances[count++] = distance2(&to, fine->positions[v], 0);
+  qsort(distances, count, sizeof *distances, compare_floats);
+  return sqrtf(distances[(95 * count + 99) / 100 - 1]);
 }

@@ -39,6 +39,7 @@ const recipe_key recipe_keys[] = {
     {"lod_levels", RECIPE_COUNT, offsetof(scree_recipe, lod_levels), 1, 6, NULL},
     {"lattice_steps", RECIPE_COUNT, offsetof(scree_recipe, lattice_steps), 2, 64, NULL},
     {"hull_vertices", RECIPE_COUNT, offsetof(scree_recipe, hull_vertices), 8, 64, NULL},
+    {"proxies", RECIPE_BOOL, offsetof(scree_recipe, proxies), 0, 1, NULL},
 };
 const size_t recipe_key_count = sizeof recipe_keys / sizeof *recipe_keys;
 
@@ -66,6 +67,7 @@ void scree_recipe_default(scree_recipe* out) {
   out->lod_levels = 4;
   out->lattice_steps = 8;
   out->hull_vertices = 32;
+  out->proxies = true;
 }
 
 static void say(scree_error* error, const char* format, ...) {
@@ -194,6 +196,13 @@ static scree_result read_value(const recipe_key* key, const cJSON* value, scree_
       for (int i = 0; i < 3 && result == SCREE_OK; ++i)
         result = read_number(key, cJSON_GetArrayItem(value, i), false, &number[i], error);
       if (result == SCREE_OK) memcpy(field, number, sizeof number);
+      break;
+    case RECIPE_BOOL:
+      if (!cJSON_IsBool(value)) {
+        say(error, "%s: expected true or false, got %s", key->name, text);
+        return SCREE_ERROR_SYNTAX;
+      }
+      *(bool*)(void*)field = cJSON_IsTrue(value) != 0;
       break;
     case RECIPE_CHOICE: {
       int choice;
@@ -376,6 +385,7 @@ size_t scree_recipe_write(const scree_recipe* recipe, char* text, size_t capacit
         put(&out, "]");
         break;
       }
+      case RECIPE_BOOL: put(&out, "%s", *(const bool*)(const void*)field ? "true" : "false"); break;
       case RECIPE_CHOICE: put_text(&out, recipe->orientation == SCREE_ORIENTATION_ALIGNED ? "aligned" : "random"); break;
     }
     put(&out, i + 1 < recipe_key_count ? ",\n" : "\n");
@@ -391,6 +401,7 @@ scree_result recipe_check_all(const scree_recipe* recipe, scree_error* error) {
     double values[3] = {key->min, key->min, key->min};
     switch (key->kind) {
       case RECIPE_TEXT:
+      case RECIPE_BOOL:
       case RECIPE_CHOICE: continue;
       case RECIPE_SEED: values[0] = (double)*(const uint64_t*)(const void*)field; break;
       case RECIPE_COUNT: values[0] = *(const uint32_t*)(const void*)field; break;

@@ -12,7 +12,8 @@ typedef enum recipe_kind {
   RECIPE_NUMBER,      /* double */
   RECIPE_RANGE,       /* scree_range */
   RECIPE_VECTOR,      /* three doubles */
-  RECIPE_CHOICE       /* an enum, by one of the words in `choices` */
+  RECIPE_CHOICE,      /* an enum, by one of the words in `choices` */
+  RECIPE_BOOL
 } recipe_kind;
 
 typedef struct recipe_key {

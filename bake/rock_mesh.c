@@ -29,7 +29,7 @@ scree_result rock_mesher_create(const rock_worker* worker, uint32_t lattice_per_
   return SCREE_OK;
 }
 
-static void mesh_buffer_destroy(mesh_buffer* mesh, const scree_allocator* allocator) {
+void mesh_buffer_destroy(mesh_buffer* mesh, const scree_allocator* allocator) {
   scree_rt_release(allocator, mesh->positions, mesh->vertex_capacity, sizeof *mesh->positions);
   scree_rt_release(allocator, mesh->cells, mesh->vertex_capacity, sizeof *mesh->cells);
   scree_rt_release(allocator, mesh->occlusion, mesh->vertex_capacity, 1);
@@ -50,9 +50,8 @@ void rock_mesher_destroy(rock_mesher* mesher) {
   memset(mesher, 0, sizeof *mesher);
 }
 
-/* Makes room for a mesh; what the buffer held is gone when it has to grow. */
-static scree_result mesh_buffer_reserve(mesh_buffer* mesh, uint32_t vertices, uint32_t indices, uint32_t voxels,
-                                        const scree_allocator* allocator) {
+scree_result mesh_buffer_reserve(mesh_buffer* mesh, uint32_t vertices, uint32_t indices, uint32_t voxels,
+                                 const scree_allocator* allocator) {
   if (vertices <= mesh->vertex_capacity && indices <= mesh->index_capacity && voxels <= mesh->voxel_capacity) return SCREE_OK;
   vertices = vertices > mesh->vertex_capacity ? vertices + vertices / 2 : mesh->vertex_capacity;
   indices = indices > mesh->index_capacity ? indices + indices / 2 : mesh->index_capacity;
@@ -74,7 +73,7 @@ static scree_result mesh_buffer_reserve(mesh_buffer* mesh, uint32_t vertices, ui
   return SCREE_OK;
 }
 
-static scree_result mesh_field(const voxel_field* field, mesh_buffer* mesh, const scree_allocator* allocator) {
+scree_result mesh_field(const voxel_field* field, mesh_buffer* mesh, const scree_allocator* allocator) {
   uint32_t vertices, indices;
   surface_nets_bounds(field, &vertices, &indices);
   const scree_result result = mesh_buffer_reserve(mesh, vertices, indices, field->width * field->height * field->depth, allocator);
@@ -283,16 +282,11 @@ static bool has_flat_triangle(const mesh_buffer* mesh) {
   return false;
 }
 
-/* Moves the vertices of a coarse mesh along their normals, all by the same distance, until it holds the volume of the finest one:
- * with its vertices on the surface a polyhedron lies inside the stone and looks shrunken. `most`: lattice steps. */
-static scree_result match_volume(rock_mesher* mesher, mesh_buffer* mesh, float most) {
+void mesh_match_volume(mesh_buffer* mesh, double wanted, float most, float* scratch) {
   const uint32_t count = mesh->vertex_count * 3;
-  const scree_result result = reserve_points(mesher, count * 3);
-  if (result != SCREE_OK) return result;
-  float *points = mesher->points, *normals = mesher->points + count, *before = mesher->points + (size_t)2 * count;
+  float *points = scratch, *normals = scratch + count, *before = scratch + (size_t)2 * count;
   for (uint32_t v = 0; v < mesh->vertex_count; ++v)
     for (uint32_t axis = 0; axis < 3; ++axis) points[(size_t)v * 3 + axis] = mesh->positions[v][axis];
-  const double wanted = mesh_volume(&mesher->meshes[0]);
   memcpy(before, points, count * sizeof *before);
   float moved = 0;
   for (uint32_t iteration = 0; iteration < 3; ++iteration) {
@@ -314,7 +308,6 @@ static scree_result match_volume(rock_mesher* mesher, mesh_buffer* mesh, float m
   if (has_flat_triangle(mesh))
     for (uint32_t v = 0; v < mesh->vertex_count; ++v)
       for (uint32_t axis = 0; axis < 3; ++axis) mesh->positions[v][axis] = (int16_t)before[(size_t)v * 3 + axis];
-  return SCREE_OK;
 }
 
 static void copy_mesh(const mesh_buffer* from, mesh_buffer* to) {
@@ -357,8 +350,9 @@ static scree_result mesh_level(rock_mesher* mesher, const rock_worker* worker, c
   if (result != SCREE_OK) return result;
   project(worker, fine, &coarse, mesh);
   surface_nets_triangulate(mesh);
-  result = match_volume(mesher, mesh, 0.6f * (float)coarse.step);
+  result = reserve_points(mesher, mesh->vertex_count * 9);
   if (result != SCREE_OK) return result;
+  mesh_match_volume(mesh, mesh_volume(&mesher->meshes[0]), 0.6f * (float)coarse.step, mesher->points);
   const double share = mesh_volume(mesh) / mesh_volume(&mesher->meshes[0]);
   if (share < LEAST_VOLUME || share > MOST_VOLUME) return repeat_level(mesher, level);
   shade(mesher, worker, fine, mesh);

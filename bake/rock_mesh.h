@@ -32,6 +32,19 @@ void rock_mesher_destroy(rock_mesher* mesher);
  * within a fifth repeats the one before it. */
 scree_result rock_mesh(rock_mesher* mesher, const rock_worker* worker, uint32_t lods);
 
+/* Makes room for a mesh; what the buffer held is gone when it has to grow. */
+scree_result mesh_buffer_reserve(mesh_buffer* mesh, uint32_t vertices, uint32_t indices, uint32_t voxels,
+                                 const scree_allocator* allocator);
+void mesh_buffer_destroy(mesh_buffer* mesh, const scree_allocator* allocator);
+
+/* Surface nets of a field, with room made for them. */
+scree_result mesh_field(const voxel_field* field, mesh_buffer* mesh, const scree_allocator* allocator);
+
+/* Moves the vertices of a coarse mesh along their normals, all by the same distance, until it holds `wanted` cubic lattice steps:
+ * with its vertices on the surface a polyhedron lies inside the stone and looks shrunken. most: lattice steps. scratch: 9 a vertex.
+ */
+void mesh_match_volume(mesh_buffer* mesh, double wanted, float most, float* scratch);
+
 /* Volume inside a closed mesh, cubic lattice steps; exact but for the last division. */
 double mesh_volume(const mesh_buffer* mesh);
 

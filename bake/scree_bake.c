@@ -12,7 +12,8 @@
 static const char usage[] =
     "Usage: scree-bake RECIPE.json -o PACK.scree [options]\n"
     "\n"
-    "Bakes all unique rocks of a recipe into a pack: meshes at several levels of detail, hulls, contacts.\n"
+    "Bakes all unique rocks of a recipe into a pack: meshes at several levels of detail, hulls, contacts,\n"
+    "and merged meshes of tiles for far fields (--set proxies=false leaves these out).\n"
     "\n"
     "  -o, --output FILE    the pack to write (a temporary file beside it is renamed when all is well)\n"
     "      --set KEY=VALUE  override a key of the recipe, VALUE as in JSON: --set n=5 --set g=[1,2]; may be repeated\n"
@@ -174,7 +175,7 @@ static bool show_progress(void* user, const char* stage, double done) {
   const int filled = (int)(done * 40);
   for (int i = 0; i < 40; ++i) bar[i] = i < filled ? '#' : '.';
   bar[40] = '\0';
-  fprintf(stderr, "\r%-6s [%s] %3d %%", stage, bar, (int)(done * 100));
+  fprintf(stderr, "\r%-7s [%s] %3d %%", stage, bar, (int)(done * 100));
   return true;
 }
 
@@ -192,7 +193,10 @@ static bool write_report(const char* path, const scree_recipe* recipe, const scr
           (unsigned long long)report->contacts, (unsigned long long)report->triangles);
   for (uint32_t level = 0; level < recipe->lod_levels; ++level)
     fprintf(out, "%s%llu", level == 0 ? "" : ", ", (unsigned long long)report->lod_triangles[level]);
-  fprintf(out, "],\n  \"bytes\": %llu,\n  \"digest\": \"%016llx\",\n  \"threads\": %u,\n  \"version\": \"%s\",\n  \"seconds\": {\n",
+  fprintf(out,
+          "],\n  \"proxies\": %u,\n  \"proxy_triangles\": %llu,\n  \"proxy_bytes\": %llu,\n  \"bytes\": %llu,\n  \"digest\": "
+          "\"%016llx\",\n  \"threads\": %u,\n  \"version\": \"%s\",\n  \"seconds\": {\n",
+          report->proxies, (unsigned long long)report->proxy_triangles, (unsigned long long)report->proxy_bytes,
           (unsigned long long)report->bytes, (unsigned long long)report->digest, threads, scree_version_string());
   for (uint32_t s = 0; s < report->stage_count; ++s)
     fprintf(out, "    \"%s\": %.3f,\n", report->stages[s].name, report->stages[s].seconds);

@@ -173,3 +173,32 @@ uint32_t mask_keep_largest(uint64_t* rows, uint32_t height, uint32_t depth, floa
   memcpy(rows, largest, count * sizeof *rows);
   return kept;
 }
+
+void mask_fill_voids(uint64_t* rows, uint32_t width, uint32_t height, uint32_t depth, uint64_t* scratch) {
+  const uint32_t count = height * depth;
+  uint64_t *open = scratch, *outside = scratch + count;
+  const uint64_t all = width < 64 ? (UINT64_C(1) << width) - 1 : ~UINT64_C(0);
+  memset(outside, 0, count * sizeof *outside);
+  for (uint32_t at = 0; at < count; ++at) open[at] = all & ~rows[at];
+  outside[0] = open[0];
+  while ((int)flood_sweep(open, outside, height, depth, true) | (int)flood_sweep(open, outside, height, depth, false)) {}
+  for (uint32_t at = 0; at < count; ++at) rows[at] = all & ~outside[at];
+}
+
+void mask_grow(uint64_t* rows, uint32_t height, uint32_t depth, uint64_t* scratch) {
+  memcpy(scratch, rows, (size_t)height * depth * sizeof *rows);
+  for (uint32_t z = 1; z + 1 < depth; ++z)
+    for (uint32_t y = 1; y + 1 < height; ++y) {
+      const uint64_t* at = scratch + y + (size_t)height * z;
+      rows[y + (size_t)height * z] |= at[0] << 1 | at[0] >> 1 | at[1] | *(at - 1) | at[height] | *(at - height);
+    }
+}
+
+void mask_shrink(uint64_t* rows, uint32_t height, uint32_t depth, uint64_t* scratch) {
+  memcpy(scratch, rows, (size_t)height * depth * sizeof *rows);
+  for (uint32_t z = 1; z + 1 < depth; ++z)
+    for (uint32_t y = 1; y + 1 < height; ++y) {
+      const uint64_t* at = scratch + y + (size_t)height * z;
+      rows[y + (size_t)height * z] &= at[0] << 1 & at[0] >> 1 & at[1] & *(at - 1) & at[height] & *(at - height);
+    }
+}

@@ -15,4 +15,13 @@ uint32_t mask_make_well_composed(uint64_t* rows, uint32_t height, uint32_t depth
 uint32_t mask_keep_largest(uint64_t* rows, uint32_t height, uint32_t depth, float* field, uint32_t width, float carved,
                            uint64_t* scratch);
 
+/* Fills every empty voxel that no path through faces of empty voxels joins to the outermost ones, which must be empty. width:
+ * <= 64. scratch: 2 * height * depth words. */
+void mask_fill_voids(uint64_t* rows, uint32_t width, uint32_t height, uint32_t depth, uint64_t* scratch);
+
+/* Adds to a set, or takes away, the voxels that share a face with its border. The outermost voxels are taken as empty and stay so.
+ * scratch: height * depth words. */
+void mask_grow(uint64_t* rows, uint32_t height, uint32_t depth, uint64_t* scratch);
+void mask_shrink(uint64_t* rows, uint32_t height, uint32_t depth, uint64_t* scratch);
+
 #endif

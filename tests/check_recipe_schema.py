@@ -49,6 +49,8 @@ for key in table["keys"]:
     expect(part.get("description", "") != "", f"{name}: no description")
     if key["kind"] == "choice":
         expect(part.get("enum") == key["choices"].split(), f"{name}: enum {part.get('enum')}, not {key['choices']}")
+    elif key["kind"] == "bool":
+        expect(part.get("type") == "boolean", f"{name}: type {part.get('type')}")
     elif key["kind"] == "text":
         expect(part.get("maxLength") == key["max"], f"{name}: maxLength {part.get('maxLength')}")
     else:
@@ -71,6 +73,8 @@ for key in table["keys"]:
     low, high = key["min"], key["max"]
     if key["kind"] == "vector":
         values = [[low, 0, high], [high * 2, 0, 0], [0, 1], [0, 1, 0, 0], 5, ["a", 0, 1]]
+    elif key["kind"] == "bool":
+        values = [True, False, 0, 1, "true", None, [True]]
     elif key["kind"] in ("text", "choice"):
         values = ["random", "aligned", "x" * 63, "x" * 64, 5, None, ["random"]]
     elif key["kind"] == "seed":

@@ -5,7 +5,7 @@
 #include "recipe.h"
 
 int main(void) {
-  static const char* const kinds[] = {"text", "seed", "count", "count_range", "number", "range", "vector", "choice"};
+  static const char* const kinds[] = {"text", "seed", "count", "count_range", "number", "range", "vector", "choice", "bool"};
   scree_recipe recipe;
   scree_recipe_default(&recipe);
   char defaults[8192];

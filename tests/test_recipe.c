@@ -135,7 +135,7 @@ static void keys_are_accepted_up_to_their_ends_and_refused_beyond(void** state) 
   uint32_t refused = 0;
   for (size_t k = 0; k < recipe_key_count; ++k) {
     const recipe_key* key = &recipe_keys[k];
-    if (key->kind == RECIPE_TEXT || key->kind == RECIPE_CHOICE) continue;
+    if (key->kind == RECIPE_TEXT || key->kind == RECIPE_CHOICE || key->kind == RECIPE_BOOL) continue;
     const bool whole = key->kind == RECIPE_COUNT || key->kind == RECIPE_COUNT_RANGE || key->kind == RECIPE_SEED;
     const double step = whole ? 1 : fabs(key->max) * 1e-9 + 1e-12;
     const double values[4] = {key->min, key->max, key->min - step, key->max + (key->kind == RECIPE_SEED ? 2 : step)};
@@ -175,6 +175,7 @@ static void random_recipe(random_stream* stream, scree_recipe* out) {
           field[i] = i == length ? '\0' : (char)(1 + random_bits(stream) % 126);
         break;
       case RECIPE_SEED: *(uint64_t*)(void*)field = (uint64_t)random_number(stream, key, true); break;
+      case RECIPE_BOOL: *(bool*)(void*)field = random_bits(stream) % 2 == 1; break;
       case RECIPE_COUNT: *(uint32_t*)(void*)field = (uint32_t)random_number(stream, key, true); break;
       case RECIPE_COUNT_RANGE:
         out->seeds_min = (uint32_t)random_number(stream, key, true);
@@ -217,7 +218,8 @@ static void what_is_written_reads_back_the_same(void** state) {
                                      sizeof(double),
                                      sizeof(scree_range),
                                      3 * sizeof(double),
-                                     sizeof(scree_orientation)};
+                                     sizeof(scree_orientation),
+                                     sizeof(bool)};
       const char *a = (const char*)&recipe + key->offset, *b = (const char*)&again + key->offset;
       if (key->kind == RECIPE_TEXT)
         assert_string_equal(a, b);

@@ -47,6 +47,7 @@ typedef struct scree_recipe {
   uint32_t lod_levels;      /* 1..6 */
   uint32_t lattice_steps;   /* lattice steps per voxel, 2..64 */
   uint32_t hull_vertices;   /* at most so many vertices of the convex hull, 8..64 */
+  bool proxies;             /* merged meshes of tiles for far fields, see scree_pack_proxy */
 } scree_recipe;
 
 /* Fills `out` with the default boulders. */
@@ -83,7 +84,10 @@ typedef struct scree_bake_report {
   uint32_t rocks;
   uint64_t triangles; /* all levels of detail */
   uint64_t lod_triangles[8];
-  uint64_t bytes; /* of the pack */
+  uint32_t proxies;
+  uint64_t proxy_triangles; /* all levels, not among `triangles` */
+  uint64_t proxy_bytes;     /* of their meshes */
+  uint64_t bytes;           /* of the pack */
   uint64_t contacts;
   uint64_t digest; /* the pack's */
   double seconds;  /* wall clock */
