@@ -555,6 +555,50 @@ static void every_failed_allocation_of_open_and_write_is_reported(void** state) 
   test_rock_set_free(set);
 }
 
+/* An allocator that writes down what was asked for. */
+typedef struct ledger {
+  size_t sizes[16];
+  uint32_t count;
+} ledger;
+
+static void* ledger_alloc(void* user, size_t size) {
+  ledger* book = user;
+  assert_true(book->count < 16);
+  book->sizes[book->count++] = size;
+  return malloc(size);
+}
+
+static void ledger_release(void* user, void* memory, size_t size) {
+  (void)user;
+  (void)size;
+  free(memory);
+}
+
+static void opening_allocates_the_same_whatever_the_number_of_assets(void** state) {
+  (void)state;
+  const test_pack_desc descs[3] = {
+      {.rocks_per_cell = 2}, {.rocks_per_cell = 2, .lod_count = 1}, {.cells_per_cube = 3, .proxies = true}};
+  ledger first = {{0}, 0};
+  uint32_t assets[3];
+  for (int i = 0; i < 3; ++i) {
+    size_t size;
+    uint8_t* bytes = test_pack_make(&descs[i], &size);
+    ledger book = {{0}, 0};
+    const scree_allocator allocator = {ledger_alloc, ledger_release, &book};
+    scree_pack* pack;
+    assert_int_equal(scree_pack_open_memory(bytes, size, &allocator, &pack), SCREE_OK);
+    scree_pack_info info;
+    scree_pack_get_info(pack, &info);
+    assets[i] = info.asset_count;
+    if (i == 0) first = book;
+    assert_int_equal(book.count, first.count);
+    assert_memory_equal(book.sizes, first.sizes, sizeof first.sizes);
+    scree_pack_close(pack);
+    free(bytes);
+  }
+  assert_true(first.count > 0 && assets[2] > 30 * assets[0]);
+}
+
 static void the_writer_refuses_sets_that_break_the_format(void** state) {
   (void)state;
   const test_pack_desc desc = {.rocks_per_cell = 2}; /* rocks 1 and 2 are of one cell */
@@ -608,6 +652,7 @@ int main(void) {
       cmocka_unit_test(arguments_out_of_range_and_short_buffers_have_codes),
       cmocka_unit_test(a_file_opens_as_memory_does),
       cmocka_unit_test(every_failed_allocation_of_open_and_write_is_reported),
+      cmocka_unit_test(opening_allocates_the_same_whatever_the_number_of_assets),
       cmocka_unit_test(the_writer_refuses_sets_that_break_the_format),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
