@@ -140,6 +140,16 @@ static inline uint32_t v_bits(vint mask) {
 }
 
 /* table[index], lane by lane; GCC 12 does not find the AVX2 gather by itself. */
+static inline vint v_gather_int(const uint32_t* table, vint index) {
+#if defined(__AVX2__)
+  return (vint)_mm256_i32gather_epi32((const int*)(const void*)table, (__m256i)index, 4);
+#else
+  vint v = {0};
+  for (int i = 0; i < SIMD_WIDTH; ++i) v[i] = (int32_t)table[index[i]];
+  return v;
+#endif
+}
+
 static inline vfloat v_gather(const float* table, vint index) {
 #if defined(SIMD_AVX2)
   return (vfloat)_mm256_i32gather_ps(table, (__m256i)index, 4);

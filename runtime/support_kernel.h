@@ -49,36 +49,15 @@ static inline vfloat distance_cone(const support_op* op, vpoint p) {
   return v_select(inside, -d, d);
 }
 
-static inline vfloat distance_height(const support_op* op, vpoint p) {
-  const support_height* g = op->height.grid;
-  const vfloat zero = v_set(0);
-  vpoint q = into_frame(&op->height.frame, p);
-  vfloat u = v_clamp(q.x * v_set(g->inverse_spacing) + v_set(g->middle_u), zero, v_set((float)(g->width - 1)));
-  vfloat v = v_clamp(q.z * v_set(g->inverse_spacing) + v_set(g->middle_v), zero, v_set((float)(g->depth - 1)));
-  vint iu = v_truncate(v_min(u, v_set((float)(g->width - 2)))), iv = v_truncate(v_min(v, v_set((float)(g->depth - 2))));
-  u -= v_from_int(iu);
-  v -= v_from_int(iv);
-  vint index = iv * v_set_int((int32_t)g->width) + iu;
-  vfloat h00 = v_gather(g->heights, index), h10 = v_gather(g->heights + 1, index);
-  vfloat h01 = v_gather(g->heights + g->width, index), h11 = v_gather(g->heights + g->width + 1, index);
-  vfloat near_side = h00 + u * (h10 - h00), far_side = h01 + u * (h11 - h01);
-  vfloat surface = near_side + v * (far_side - near_side);
-  vfloat layer = (v_abs(q.y - surface - v_set(op->height.middle)) - v_set(op->height.half)) * v_set(g->cosine);
-  vfloat x = v_abs(q.x) - v_set(g->extent_x), z = v_abs(q.z) - v_set(g->extent_z);
-  vfloat beside = length2(v_max(x, zero), v_max(z, zero)) + v_min(v_max(x, z), zero);
-  return v_max(layer, beside) * v_set(op->height.frame.scale);
-}
-
-/* The eight corners of a grid cell for each lane. GCC 12 would not find this, and eight gathers take three times as long. */
-static inline void mesh_corners(const support_mesh* g, vint index, vfloat c[2][2][2]) {
+/* For each lane the words at index and index + 1, and both again `above` words on, by row and column. GCC 12 would not find this,
+ * and gathers take three times as long. */
+static inline void load_corners(const uint32_t* samples, size_t above, vint index, vint dword[2][2]) {
   int32_t at[SIMD_WIDTH];
   memcpy(at, &index, sizeof at);
-  size_t above = (size_t)g->size[0] * g->size[1];
-  vint dword[2][2]; /* by z, x: the pairs along y */
 #if SIMD_WIDTH == 8
   __m128i point[8]; /* of one lane: (x, z), (x + 1, z), (x, z + 1), (x + 1, z + 1) */
   for (int i = 0; i < 8; ++i) {
-    const uint32_t* s = g->samples + (uint32_t)at[i];
+    const uint32_t* s = samples + (uint32_t)at[i];
     point[i] = _mm_unpacklo_epi64(_mm_loadl_epi64((const __m128i*)(const void*)s),
                                   _mm_loadl_epi64((const __m128i*)(const void*)(s + above)));
   }
@@ -95,8 +74,46 @@ static inline void mesh_corners(const support_mesh* g, vint index, vfloat c[2][2
 #else
   for (int i = 0; i < SIMD_WIDTH; ++i)
     for (int z = 0; z < 2; ++z)
-      for (int x = 0; x < 2; ++x) dword[z][x][i] = (int32_t)g->samples[(uint32_t)at[i] + (size_t)z * above + (size_t)x];
+      for (int x = 0; x < 2; ++x) dword[z][x][i] = (int32_t)samples[(uint32_t)at[i] + (size_t)z * above + (size_t)x];
 #endif
+}
+
+static inline vfloat distance_height(const support_op* op, vpoint p) {
+  const support_height* g = op->height.grid;
+  const vfloat zero = v_set(0);
+  vpoint q = into_frame(&op->height.frame, p);
+  vfloat u = v_clamp(q.x * v_set(g->inverse_spacing) + v_set(g->middle_u), zero, v_set((float)(g->width - 1)));
+  vfloat v = v_clamp(q.z * v_set(g->inverse_spacing) + v_set(g->middle_v), zero, v_set((float)(g->depth - 1)));
+  vint iu = v_truncate(v_min(u, v_set((float)(g->width - 2)))), iv = v_truncate(v_min(v, v_set((float)(g->depth - 2))));
+  u -= v_from_int(iu);
+  v -= v_from_int(iv);
+  vint index = iv * v_set_int((int32_t)g->width) + iu;
+  vint corner[2][2];
+  load_corners((const uint32_t*)(const void*)g->heights, g->width, index, corner);
+  const vfloat h00 = (vfloat)corner[0][0], h10 = (vfloat)corner[0][1], h01 = (vfloat)corner[1][0], h11 = (vfloat)corner[1][1];
+  vfloat near_side = h00 + u * (h10 - h00), far_side = h01 + u * (h11 - h01);
+  vfloat surface = near_side + v * (far_side - near_side);
+  vfloat vertical = v_abs(q.y - surface - v_set(op->height.middle)) - v_set(op->height.half);
+  vfloat way = v_abs(vertical), least = way * v_set(g->cosine);
+  if (v_bits(way < v_set(g->local)) != 0) { /* elsewhere the least is more, to the bit */
+    vuint corners = (vuint)v_gather_int(g->cosines, index);
+    const vuint byte = (vuint)v_set_int(0xff);
+    vfloat c00 = v_from_int((vint)(corners & byte)), c10 = v_from_int((vint)(corners >> 8 & byte));
+    vfloat c01 = v_from_int((vint)(corners >> 16 & byte)), c11 = v_from_int((vint)(corners >> 24));
+    vfloat near_cosine = c00 + u * (c10 - c00), far_cosine = c01 + u * (c11 - c01);
+    vfloat cosine = (near_cosine + v * (far_cosine - near_cosine)) * v_set(1.0f / HEIGHT_COSINE);
+    least = v_max(way * cosine / (v_set(1) + way * v_set(g->bend)), least);
+  }
+  vfloat layer = v_select(vertical < zero, -least, least);
+  vfloat x = v_abs(q.x) - v_set(g->extent_x), z = v_abs(q.z) - v_set(g->extent_z);
+  vfloat beside = length2(v_max(x, zero), v_max(z, zero)) + v_min(v_max(x, z), zero);
+  return v_max(layer, beside) * v_set(op->height.frame.scale);
+}
+
+/* The eight corners of a grid cell for each lane. */
+static inline void mesh_corners(const support_mesh* g, vint index, vfloat c[2][2][2]) {
+  vint dword[2][2]; /* by z, x: the pairs along y */
+  load_corners(g->samples, (size_t)g->size[0] * g->size[1], index, dword);
   for (int z = 0; z < 2; ++z)
     for (int x = 0; x < 2; ++x) {
       c[z][0][x] = v_from_int((vint)((vuint)dword[z][x] << 16) >> 16);

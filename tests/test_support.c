@@ -139,7 +139,8 @@ static void round_shapes_have_their_true_distance(void** state) {
   }
 }
 
-/* The layer's sign is exact; its distance is the vertical one, scaled down so that it is never too large. */
+/* The layer's sign is exact; its distance is the vertical one, scaled down so that it is never too large, and no more than by the
+ * steepest slope. */
 static void heightfield_is_a_layer_between_two_surfaces(void** state) {
   (void)state;
   random_stream r = {2};
@@ -165,10 +166,41 @@ static void heightfield_is_a_layer_between_two_surfaces(void** state) {
       assert_true((found < 0) == (vertical < 0));
       assert_true(fabs(found) <= fabs(larger(vertical, side)) + 1e-4);
       double slope_scale = (double)support->heights[0]->cosine;
-      if (found > side + 1e-4) assert_true(fabs(found - vertical * slope_scale) < 1e-4);
+      if (found > side + 1e-4) assert_true(fabs(found) >= fabs(vertical) * slope_scale - 1e-4);
     }
     scree_support_destroy(support);
   }
+}
+
+/* Flat land, a slope of 1/2 and one cliff: by the surface, distances away from the cliff are the true ones, and everywhere none is
+ * larger than the way to the nearest of many points of the surface. */
+static void one_cliff_does_not_thicken_a_layer_elsewhere(void** state) {
+  (void)state;
+  enum { SIDE = 161 };
+  static float heights[SIDE * SIDE];
+  for (int z = 0; z < SIDE; ++z)
+    for (int x = 0; x < SIDE; ++x) heights[z * SIDE + x] = (x > 80 ? 0.5f * (float)(x - 80) : 0) + (x < 10 ? 30 : 0);
+  scree_shape ground = {.kind = SCREE_SHAPE_HEIGHTFIELD, .heightfield = {heights, SIDE, SIDE, 1, 0, 50}};
+  scree_support* support = one_shape(&ground);
+  random_stream r = {21};
+  assert_true((double)support->heights[0]->cosine < 0.04);
+  for (int i = 0; i < 3000; ++i) {
+    double p[3] = {random_in(&r, -75, 75), 0, random_in(&r, -60, 60)}, x = p[0] + 80, nearest = 1e9;
+    double surface = x > 80 ? 0.5 * (x - 80) : x <= 9 ? 30 : x < 10 ? 30 * (10 - x) : 0;
+    double above = random_in(&r, -2, 2);
+    p[1] = surface + above;
+    for (double u = 0; u <= 160; u += 0.02) { /* the land is the same along z */
+      double h = u > 80 ? 0.5 * (u - 80) : u <= 9 ? 30 : u < 10 ? 30 * (10 - u) : 0;
+      nearest = smaller(nearest, (u - x) * (u - x) + (h - p[1]) * (h - p[1]));
+    }
+    nearest = sqrt(nearest);
+    double found = distance_at(support, p);
+    assert_true((found < 0) == (above < 0) || fabs(above) < 1e-4);
+    assert_true(fabs(found) <= nearest + 0.02);
+    if (x > 100) assert_true(fabs(found) >= 0.8 * nearest - 0.02);
+    if (x > 100 && fabs(above) < 0.3) assert_true(fabs(found) >= 0.97 * nearest - 0.02);
+  }
+  scree_support_destroy(support);
 }
 
 static void groups_combine_the_distances_of_their_children(void** state) {
@@ -520,6 +552,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(round_shapes_have_their_true_distance),
       cmocka_unit_test(heightfield_is_a_layer_between_two_surfaces),
+      cmocka_unit_test(one_cliff_does_not_thicken_a_layer_elsewhere),
       cmocka_unit_test(groups_combine_the_distances_of_their_children),
       cmocka_unit_test(transforms_of_groups_reach_their_children),
       cmocka_unit_test(no_distance_changes_faster_than_its_bound),

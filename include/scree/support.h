@@ -73,7 +73,8 @@ typedef struct scree_cone {
   float radius, height; /* base on the plane y = 0, apex at y = height, both > 0 */
 } scree_cone;
 
-/* A layer along a terrain: bilinear; distances are scaled down by the steepest slope anywhere, so that none is too large. */
+/* A layer along a terrain: bilinear; vertical distances are scaled down by the slopes around, so that none is too large: near the
+ * surface by those next to it, farther away by ever more of them. */
 typedef struct scree_heightfield {
   const float* heights;  /* width * depth, row-major, x fastest then z; copied */
   uint32_t width, depth; /* samples, each >= 2 */
