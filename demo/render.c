@@ -59,7 +59,7 @@ struct render {
   render_stone* stones;
   uint8_t* levels; /* of each stone in the camera's view */
   uint32_t stone_count;
-  float stones_min[3], stones_max[3], stone_size; /* box of all balls; mean cell size */
+  float stones_min[3], stones_max[3], stone_size; /* box of all balls; smallest cell size */
   render_picture last;                            /* what the sum holds; width 0 = nothing */
   uint32_t samples;
   float near_plane, far_plane;
@@ -216,7 +216,8 @@ scree_result render_set_stones(render* r, const render_stone* stones, uint32_t c
   r->stone_count = count;
   r->last.width = 0;
 
-  double sum = 0;
+  /* The smallest, not the mean: leaving out stones that nobody sees must not change what the ground and the shadows look like. */
+  float smallest = INFINITY;
   for (int a = 0; a < 3; ++a) {
     r->stones_min[a] = INFINITY;
     r->stones_max[a] = -INFINITY;
@@ -229,9 +230,9 @@ scree_result render_set_stones(render* r, const render_stone* stones, uint32_t c
       r->stones_min[a] = fminf(r->stones_min[a], centre - asset->radius * size);
       r->stones_max[a] = fmaxf(r->stones_max[a], centre + asset->radius * size);
     }
-    sum += (double)size;
+    smallest = fminf(smallest, size);
   }
-  r->stone_size = count > 0 ? (float)(sum / count) : 1.0f;
+  r->stone_size = count > 0 ? smallest : 1.0f;
   return SCREE_OK;
 }
 

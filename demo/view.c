@@ -19,7 +19,8 @@ static int fail(scree_result result, const char* message) {
 /* Writes the picture; the renderer's context is current. */
 static int take_picture(const view_options* options, const scene_model* scene, const scree_jobs* jobs, render* r) {
   scree_error error = {""};
-  const stage_desc desc = {.renderer = r, .scene = scene, .paths = options->paths, .jobs = *jobs, .flags = SCREE_SCENE_VISIBLE};
+  const stage_desc desc = {
+      .renderer = r, .scene = scene, .paths = options->paths, .jobs = *jobs, .flags = options->all_rocks ? 0 : SCREE_SCENE_VISIBLE};
   double start = timer_seconds();
   stage* s;
   scree_result result = stage_create(&desc, &s, &error);

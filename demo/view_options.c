@@ -22,6 +22,8 @@ static const char usage[] =
     "      --camera E,T[,F]  eye ex,ey,ez and target tx,ty,tz in metres, vertical field of view in degrees: 8,5,9,0,1,0,40;\n"
     "                        default: the scene's\n"
     "      --samples N       jittered samples a pixel, 1..256; default: 8, and as many as patience gives in a window\n"
+    "      --rocks WHICH     visible, or all: those that nobody can see behind their neighbours, too, which draws the same\n"
+    "                        picture and takes longer; default: visible\n"
     "      --lod L           one level of detail for every stone, 0 is the finest; default: what each needs on the screen\n"
     "      --pixel-error X   pixels between two levels, at most, when one is chosen, 0.05..50; default: 2\n"
     "      --colour WHAT     stone, or what tells: lod (level of detail) or tile (code of the corner cube)\n"
@@ -87,7 +89,7 @@ int view_options_parse(int count, char** arguments, view_options* out) {
   out->width = 1280;
   out->height = 720;
   out->lod = -1;
-  const char *size_text = NULL, *eye = NULL, *samples = NULL, *lod = NULL, *pixel_error = NULL, *colour = NULL;
+  const char *size_text = NULL, *eye = NULL, *samples = NULL, *lod = NULL, *pixel_error = NULL, *colour = NULL, *rocks = "visible";
   bool help = false, version = false;
   const argument known[] = {
       {"--packs", NULL, &out->paths.packs, NULL},
@@ -97,6 +99,7 @@ int view_options_parse(int count, char** arguments, view_options* out) {
       {"--size", NULL, &size_text, NULL},
       {"--camera", NULL, &eye, NULL},
       {"--samples", NULL, &samples, NULL},
+      {"--rocks", NULL, &rocks, NULL},
       {"--lod", NULL, &lod, NULL},
       {"--pixel-error", NULL, &pixel_error, NULL},
       {"--colour", NULL, &colour, NULL},
@@ -125,6 +128,8 @@ int view_options_parse(int count, char** arguments, view_options* out) {
     fprintf(stderr, "scree-view: %s\n", error.message);
     return 2;
   }
+  out->all_rocks = strcmp(rocks, "all") == 0;
+  if (!out->all_rocks && strcmp(rocks, "visible") != 0) return complain(rocks, "--rocks takes visible or all");
   if (lod != NULL) out->lod = (int32_t)level;
   if (pixel_error != NULL) {
     char* end;

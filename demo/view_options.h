@@ -16,7 +16,7 @@ typedef struct view_options {
   int32_t lod;
   render_colour colour;
   float pixel_error; /* 0 = the renderer's */
-  bool headless, wireframe, no_indirect, no_panel;
+  bool headless, wireframe, no_indirect, no_panel, all_rocks;
   bool has_camera;
   double eye[3], target[3], field_of_view; /* metres, degrees */
 } view_options;

@@ -537,8 +537,11 @@ static int show(viewer* v, const scree_jobs* jobs) {
   const render_desc desc = {.no_indirect = v->options->no_indirect, .jobs = *jobs};
   scree_result result = render_create(&desc, &v->renderer, &error);
   if (result == SCREE_OK) {
-    const stage_desc wanted = {
-        .renderer = v->renderer, .scene = v->scene, .paths = v->options->paths, .jobs = *jobs, .flags = SCREE_SCENE_VISIBLE};
+    const stage_desc wanted = {.renderer = v->renderer,
+                               .scene = v->scene,
+                               .paths = v->options->paths,
+                               .jobs = *jobs,
+                               .flags = v->options->all_rocks ? 0 : SCREE_SCENE_VISIBLE};
     result = stage_create(&wanted, &v->stage, &error);
   }
   if (result != SCREE_OK) {

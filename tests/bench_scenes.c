@@ -42,6 +42,14 @@ static int measure(const char* name, const scene_live* world, scree_scratch* scr
     good = scree_scene_fill(&desc, scratch, rocks, count, &count) == SCREE_OK;
     times[run] = seconds() - start;
   }
+  /* What each layer costs by itself, with the earlier ones that it may meet. */
+  for (uint32_t i = 0; getenv("SCREE_BENCH_VERBOSE") != NULL && i < scree_scene_layer_count(desc.scene); ++i) {
+    desc.layers = UINT64_C(1) << i;
+    uint64_t part = 0;
+    const double start = seconds();
+    scree_scene_fill(&desc, scratch, rocks, count, &part);
+    fprintf(stderr, "%s: layer %u: %llu rocks, %.2f ms\n", name, (unsigned)i, (unsigned long long)part, (seconds() - start) * 1e3);
+  }
   free(rocks);
   if (!good) return fail("a scene cannot be queried");
   qsort(times, RUNS, sizeof times[0], compare);
