@@ -6,8 +6,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
+
+#include "file.h"
 
 static const char usage[] =
     "Usage: scree-bake RECIPE.json -o PACK.scree [options]\n"
@@ -115,58 +116,18 @@ static char* read_text(const char* path, size_t* size) {
   return NULL;
 }
 
-/* True when `path` is no regular file: a device or a pipe, which is written to and never replaced. */
-static bool is_special(const char* path) {
-  struct stat status;
-  return stat(path, &status) == 0 && !S_ISREG(status.st_mode);
+/* error: names the file. */
+static int fail_with_file(int status, const scree_error* error) {
+  fprintf(stderr, "scree-bake: %s\n", error->message);
+  return status;
 }
 
-/* Opens what is renamed to `path` in the end, or `path` itself when that is special. temporary: to be freed, NULL when special. */
-static FILE* open_output(const char* path, char** temporary) {
-  *temporary = NULL;
-  if (is_special(path)) return fopen(path, "wb");
-  const size_t length = strlen(path) + 32;
-  *temporary = malloc(length);
-  if (*temporary == NULL) return NULL;
-  snprintf(*temporary, length, "%s.tmp-%ld", path, (long)getpid());
-  return fopen(*temporary, "wb");
-}
-
-/* Whether a file can be made at `path`, asked before minutes of work rather than after. A pipe is not opened: its reader would take
- * the close for the end. */
-static bool can_write(const char* path) {
-  struct stat status;
-  if (stat(path, &status) == 0 && S_ISDIR(status.st_mode)) {
-    errno = EISDIR;
-    return false;
-  }
-  if (is_special(path)) return access(path, W_OK) == 0;
-  char* temporary;
-  FILE* file = open_output(path, &temporary);
-  const int reason = errno;
-  if (file != NULL) fclose(file);
-  if (file != NULL && temporary != NULL) remove(temporary);
-  free(temporary);
-  errno = reason;
-  return file != NULL;
-}
-
-/* Writes to a temporary name beside `path`, then renames: the file is whole or not there. */
-static bool write_file(const char* path, const void* bytes, size_t size) {
-  char* temporary;
-  FILE* file = open_output(path, &temporary);
-  bool good = file != NULL;
-  int reason = errno;
-  if (good) {
-    good = fwrite(bytes, 1, size, file) == size;
-    good = fclose(file) == 0 && good;
-    good = good && (temporary == NULL || rename(temporary, path) == 0);
-    reason = errno;
-    if (!good && temporary != NULL) remove(temporary);
-  }
-  free(temporary);
-  errno = reason;
-  return good;
+/* The file is whole or not there. */
+static bool write_file(const char* path, const void* bytes, size_t size, scree_error* error) {
+  file_replacement file;
+  if (file_replace_begin(path, &file, error) != SCREE_OK) return false;
+  fwrite(bytes, 1, size, file.stream); /* what fails here, the end finds */
+  return file_replace_commit(&file, error) == SCREE_OK;
 }
 
 static bool show_progress(void* user, const char* stage, double done) {
@@ -179,11 +140,15 @@ static bool show_progress(void* user, const char* stage, double done) {
   return true;
 }
 
-static bool write_report(const char* path, const scree_recipe* recipe, const scree_bake_report* report, uint32_t threads) {
+static bool write_report(const char* path, const scree_recipe* recipe, const scree_bake_report* report, uint32_t threads,
+                         scree_error* error) {
   char* text = NULL;
   size_t size = 0;
   FILE* out = open_memstream(&text, &size);
-  if (out == NULL) return false;
+  if (out == NULL) {
+    fail_with(error, SCREE_ERROR_OUT_OF_MEMORY, "%s: out of memory", path);
+    return false;
+  }
   fprintf(out, "{\n  \"recipe\": \"");
   for (const char* c = recipe->name; *c != '\0'; ++c) {
     if (*c == '"' || *c == '\\') fputc('\\', out);
@@ -202,10 +167,9 @@ static bool write_report(const char* path, const scree_recipe* recipe, const scr
     fprintf(out, "    \"%s\": %.3f,\n", report->stages[s].name, report->stages[s].seconds);
   fprintf(out, "    \"total\": %.3f\n  }\n}\n", report->seconds);
   bool good = fclose(out) == 0;
-  if (good && strcmp(path, "-") == 0)
-    good = fwrite(text, 1, size, stdout) == size && fflush(stdout) == 0;
-  else if (good)
-    good = write_file(path, text, size);
+  if (good && strcmp(path, "-") == 0) good = fwrite(text, 1, size, stdout) == size && fflush(stdout) == 0;
+  if (!good) fail_with(error, SCREE_ERROR_IO, "%s: cannot write", path);
+  if (good && strcmp(path, "-") != 0) good = write_file(path, text, size, error);
   free(text);
   return good;
 }
@@ -232,10 +196,10 @@ int main(int count, char** arguments) {
     return 0;
   }
   const bool reports_to_file = given.report != NULL && strcmp(given.report, "-") != 0;
-  if (reports_to_file && !is_special(given.report) && strcmp(given.report, given.output) == 0)
+  if (reports_to_file && file_is_replaced(given.report) && strcmp(given.report, given.output) == 0)
     return fail(2, given.report, "cannot be both the pack and the report");
-  if (!can_write(given.output)) return fail(2, given.output, strerror(errno));
-  if (reports_to_file && !can_write(given.report)) return fail(2, given.report, strerror(errno));
+  if (file_replace_check(given.output, &error) != SCREE_OK) return fail_with_file(2, &error);
+  if (reports_to_file && file_replace_check(given.report, &error) != SCREE_OK) return fail_with_file(2, &error);
 
   const bool terminal = isatty(STDERR_FILENO) != 0 && !given.quiet;
   const uint32_t threads = given.threads > 0 ? given.threads : scree_threads_processors();
@@ -253,10 +217,10 @@ int main(int count, char** arguments) {
                 error.message[0] != '\0' ? error.message : scree_result_string(result));
 
   int exit_status = 0;
-  if (!write_file(given.output, bytes, size)) exit_status = fail(1, given.output, strerror(errno));
+  if (!write_file(given.output, bytes, size, &error)) exit_status = fail_with_file(1, &error);
   scree_bake_free(&desc, bytes, size);
-  if (exit_status == 0 && given.report != NULL && !write_report(given.report, &recipe, &report, desc.jobs.worker_count))
-    exit_status = fail(1, given.report, strerror(errno));
+  if (exit_status == 0 && given.report != NULL && !write_report(given.report, &recipe, &report, desc.jobs.worker_count, &error))
+    exit_status = fail_with_file(1, &error);
   if (exit_status == 0 && terminal)
     fprintf(stderr, "%s: %u rocks, %llu triangles, %.1f MB, digest %016llx, %.1f s\n", given.output, report.rocks,
             (unsigned long long)report.triangles, (double)report.bytes * 1e-6, (unsigned long long)report.digest, report.seconds);

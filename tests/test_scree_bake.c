@@ -192,6 +192,24 @@ static void a_device_is_written_to_and_not_replaced(void** state) {
   assert_true(S_ISFIFO(status.st_mode));
 }
 
+/* As /dev/stdout is one, which root could replace. */
+static void a_link_is_written_through_and_not_replaced(void** state) {
+  (void)state;
+  write_text("good.json", "{\"n\": 4, \"voxels_per_cell\": 6}", 30);
+  write_text("target.json", "old", 3);
+  assert_int_equal(symlink("target.json", "link.json"), 0);
+  run_result result;
+  run("good.json -o x.scree --set lod_levels=1 --report link.json", &result);
+  assert_string_equal(result.err, "");
+  assert_int_equal(result.status, 0);
+  struct stat status;
+  assert_int_equal(lstat("link.json", &status), 0);
+  assert_true(S_ISLNK(status.st_mode));
+  char report[16384];
+  read_file("target.json", report, sizeof report);
+  assert_non_null(strstr(report, "\"rocks\": 2266"));
+}
+
 static void help_version_and_the_recipe_are_printed(void** state) {
   (void)state;
   run_result result;
@@ -228,6 +246,7 @@ int main(int count, char** arguments) {
       cmocka_unit_test_setup_teardown(a_truncated_recipe_leaves_nothing_behind, enter, leave),
       cmocka_unit_test_setup_teardown(a_bake_writes_the_pack_and_the_report_and_says_nothing, enter, leave),
       cmocka_unit_test_setup_teardown(a_device_is_written_to_and_not_replaced, enter, leave),
+      cmocka_unit_test_setup_teardown(a_link_is_written_through_and_not_replaced, enter, leave),
       cmocka_unit_test_setup_teardown(help_version_and_the_recipe_are_printed, enter, leave),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

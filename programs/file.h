@@ -20,10 +20,13 @@ bool file_exists(const char* path);
 typedef struct file_replacement {
   FILE* stream;
   char* path;
-  char* temporary; /* NULL when `path` is no regular file (a device, a pipe) and is written directly */
+  char* temporary; /* NULL when `path` is no regular file (a device, a pipe, a link) and is written directly */
 } file_replacement;
 
 scree_result file_replace_begin(const char* path, file_replacement* out, scree_error* error);
+
+/* Whether what lies at `path` would be replaced: false for a device, a pipe or a link, which are written directly. */
+bool file_is_replaced(const char* path);
 
 /* Flushes and renames. On failure the temporary file is gone and what lay at `path` before is untouched. */
 scree_result file_replace_commit(file_replacement* file, scree_error* error);

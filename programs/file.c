@@ -82,11 +82,18 @@ static scree_result out_of_memory(const char* path, scree_error* error) {
   return fail_with(error, SCREE_ERROR_OUT_OF_MEMORY, "%s: out of memory", path);
 }
 
+/* Links stay what they are: /dev/stdout is one, also where it leads to a regular file. */
+bool file_is_replaced(const char* path) {
+  struct stat status;
+  return lstat(path, &status) != 0 || S_ISREG(status.st_mode);
+}
+
 scree_result file_replace_begin(const char* path, file_replacement* out, scree_error* error) {
   *out = (file_replacement){0};
   struct stat status;
-  bool special = stat(path, &status) == 0 && !S_ISREG(status.st_mode);
-  if (special && S_ISDIR(status.st_mode)) return fail_with(error, SCREE_ERROR_IO, "%s: is a directory", path);
+  bool special = !file_is_replaced(path);
+  if (special && stat(path, &status) == 0 && S_ISDIR(status.st_mode))
+    return fail_with(error, SCREE_ERROR_IO, "%s: is a directory", path);
   out->path = join(path, "");
   if (out->path == NULL) return out_of_memory(path, error);
   if (special) {
@@ -117,7 +124,7 @@ scree_result file_replace_begin(const char* path, file_replacement* out, scree_e
 
 scree_result file_replace_check(const char* path, scree_error* error) {
   struct stat status;
-  if (stat(path, &status) == 0 && !S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode)) {
+  if (!file_is_replaced(path) && (stat(path, &status) != 0 || !S_ISDIR(status.st_mode))) {
     if (access(path, W_OK) == 0) return SCREE_OK;
     return fail_with(error, SCREE_ERROR_IO, "%s: cannot write: %s", path, strerror(errno));
   }
