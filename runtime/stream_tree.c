@@ -75,9 +75,9 @@ static bool is_out_of_sight(const scree_stream* s, const double low[3], const do
 /* Scaled distance nearer than which a node is split. */
 static double split_distance(const scree_stream* s, const stream_layer* layer, uint32_t level) {
   const stream_pack* pack = &s->packs[layer->pack];
-  float error = 0;
-  for (uint32_t c = 0; c < STREAM_CLASSES; ++c) error = fmaxf(error, pack->error[1][c][0]);
-  if (!(error > 0)) error = 0.5f; /* cells: what merging takes away, where the pack does not say */
+  float error = 0; /* of the last class but one: a few odd parts shall not push the whole far field away */
+  for (uint32_t c = 0; c < STREAM_CLASSES - 1; ++c) error = fmaxf(error, pack->error[1][c][0]);
+  if (!(error > 0)) error = fmaxf(pack->error[1][STREAM_CLASSES - 1][0], 0.5f); /* cells; where the pack does not say */
   double metres = (double)error * (double)layer->cell * (double)(1u << (level - 1));
   return metres * s->pixels / ((double)s->desc.max_error_pixels * s->split_scale);
 }
@@ -488,7 +488,7 @@ static void end_leaving(scree_stream* s) {
 /* When a cap binds, what is farthest gives way: first to proxies, then altogether. When there is room again, it comes back; but not
  * until the views have moved if it was too much the last time. */
 static void bound(scree_stream* s) {
-  const double step = 1.03, relax = 1.005, most = 64; /* back more slowly, because builds come later */
+  const double step = 1.03, relax = 1.02, most = 64;
   const scree_stream_caps* caps = &s->desc.caps;
   bool moved = s->travel >= s->relax_travel;
   if (s->short_of_room) {
@@ -506,6 +506,7 @@ static void bound(scree_stream* s) {
         s->view_limit = fmin(s->view_limit * relax, s->desc.view_distance);
       else
         s->split_scale = fmax(s->split_scale / relax, 1);
+      s->relax_travel = s->travel + s->view_limit * 0.01; /* what was let in by the last step is there by then */
       s->revisit_next = true;
     }
   }
@@ -516,6 +517,7 @@ static void bound(scree_stream* s) {
   } else if (s->mesh_scale > 1 && s->travel >= s->mesh_relax_travel &&
              s->mesh_bytes - s->idle_bytes < caps->mesh_bytes - caps->mesh_bytes / 8) {
     s->mesh_scale = fmax(s->mesh_scale / relax, 1);
+    s->mesh_relax_travel = s->travel + s->view_limit * 0.01;
     s->revisit_next = true;
   }
 }

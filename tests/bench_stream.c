@@ -137,7 +137,7 @@ static flight fly(const bench* b, double distance, uint32_t threads_count) {
   scree_threads* threads;
   check(scree_threads_create(threads_count, NULL, &threads), "threads");
   scree_stream_desc desc = describe(b, b->mountain, distance);
-  desc.caps = (scree_stream_caps){.instances = 8u << 20, .blocks = 1u << 15, .mesh_bytes = UINT64_C(512) << 20};
+  desc.caps = (scree_stream_caps){.instances = 12u << 20, .blocks = 1u << 15, .mesh_bytes = UINT64_C(512) << 20};
   desc.tasks = scree_threads_tasks(threads);
   scree_stream* stream;
   scree_error error;

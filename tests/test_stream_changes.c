@@ -253,12 +253,63 @@ static void a_scene_that_does_not_fit_changes_nothing(void** state) {
   world_free(&w);
 }
 
+/* Memory that is counted. */
+typedef struct counted_memory {
+  size_t bytes;
+  uint64_t allocations;
+} counted_memory;
+
+static void* counted_alloc(void* user, size_t size) {
+  counted_memory* memory = user;
+  ++memory->allocations;
+  memory->bytes += size;
+  return aligned_alloc(64, (size + 63) / 64 * 64);
+}
+
+static void counted_release(void* user, void* bytes, size_t size) {
+  ((counted_memory*)user)->bytes -= size;
+  free(bytes);
+}
+
+/* Under caps that all bind; the host checks every event against them. scree-bench-stream does the same a million times. */
+static void twenty_thousand_updates_with_changes_neither_grow_nor_leak(void** state) {
+  (void)state;
+  random_stream r = {41};
+  changing_world w;
+  world_make(&w, &r);
+  scree_stream_desc desc = describe(&w);
+  desc.caps = (scree_stream_caps){
+      .instances = 3000, .blocks = 40, .mesh_bytes = 3900000, .upload_bytes = 60000, .builds = 3, .events = 120};
+  counted_memory memory = {0, 0};
+  scree_allocator allocator = {counted_alloc, counted_release, &memory};
+  stream_host h;
+  host_create(&h, &desc, &allocator);
+  scree_view view = host_view(0, 5, 0);
+  size_t early = 0;
+  for (int i = 0; i < 20000; ++i) {
+    if (i % 37 == 0) edit_some(&w, &h, &r);
+    if (i % 501 == 0) move_ball(&w, &h, &r);
+    for (int a = 0; a < 3; ++a) {
+      view.position[a] = i % 300 ? view.position[a] + random_in(&r, -0.7, 0.7) : random_in(&r, -25, 25);
+      view.position[a] = fmin(fmax(view.position[a], -35), 35);
+    }
+    host_update(&h, &view, 1);
+    if (i % 1000 == 0) host_check(&h);
+    if (i == 10000) early = memory.bytes;
+  }
+  assert_true(memory.bytes <= early + early / 10); /* a build may still meet a denser block */
+  host_destroy(&h);
+  assert_int_equal(memory.bytes, 0);
+  world_free(&w);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(changes_end_in_the_truth),
       cmocka_unit_test(layers_come_and_go),
       cmocka_unit_test(an_edit_sends_only_the_blocks_it_touches),
       cmocka_unit_test(a_scene_that_does_not_fit_changes_nothing),
+      cmocka_unit_test(twenty_thousand_updates_with_changes_neither_grow_nor_leak),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
