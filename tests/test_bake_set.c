@@ -19,6 +19,7 @@ static scree_recipe small_recipe(void) {
   recipe.n = 4;
   recipe.voxels_per_cell = 6;
   recipe.lod_levels = 2;
+  recipe.proxies = false; /* they are as much work for a small recipe as for a large one */
   return recipe;
 }
 
@@ -33,6 +34,7 @@ static void threads_make_no_difference_to_a_byte(void** state) {
   (void)state;
   scree_recipe recipe = small_recipe();
   recipe.seeds_max = 2;
+  recipe.proxies = true;
   static const uint32_t threads[3] = {1, 2, 5};
   uint8_t *first = NULL, *bytes;
   size_t first_size = 0, size;
@@ -195,8 +197,9 @@ static void a_cancelled_bake_leaves_nothing_behind(void** state) {
 }
 
 /* Returns the number of allocations. */
-static uint32_t bake_with(host* h, scree_result* result) {
+static uint32_t bake_with(host* h, bool proxies, scree_result* result) {
   scree_recipe recipe = small_recipe();
+  recipe.proxies = proxies;
   recipe.lod_levels = 1;
   recipe.chisel_planes = 0;
   recipe.noise = 0;
@@ -218,7 +221,7 @@ static void memory_that_runs_short_anywhere_is_reported_and_given_back(void** st
   (void)state;
   scree_result result;
   host all = {.fail_at = 0};
-  const uint32_t total = bake_with(&all, &result);
+  const uint32_t total = bake_with(&all, false, &result);
   assert_int_equal(result, SCREE_OK);
   assert_true(total > 2000);
   uint32_t tried = 0;
@@ -227,10 +230,19 @@ static void memory_that_runs_short_anywhere_is_reported_and_given_back(void** st
   for (uint32_t n = 1; n <= total; n += n < 64 || n + 5 > total ? 1 : n < total / 2 ? total / 2 - n : total - 4 - n) {
     for (int after = 0; after < (n <= 64 ? 2 : 1); ++after) {
       host h = {.fail_at = n, .fail_after = after != 0};
-      bake_with(&h, &result);
+      bake_with(&h, false, &result);
       assert_int_equal(result, SCREE_ERROR_OUT_OF_MEMORY);
     }
     ++tried;
+  }
+  /* And some of the proxies, which come last. */
+  host merged = {.fail_at = 0};
+  const uint32_t more = bake_with(&merged, true, &result);
+  assert_true(result == SCREE_OK && more > total + 2000);
+  for (uint32_t n = total; n < total + 12; n += 4) {
+    host h = {.fail_at = n};
+    bake_with(&h, true, &result);
+    assert_int_equal(result, SCREE_ERROR_OUT_OF_MEMORY);
   }
   print_message("%u of %u allocations failed in turn\n", tried, total);
   assert_true(tried > 60);
