@@ -125,7 +125,7 @@ bool edit_leaf_box(const scene_node* node, double min[3], double max[3]) {
  * near. */
 static double leaf_distance(const scene_node* node, const double p[3]) {
   scree_support* alone;
-  if (scene_leaf_support(node, &alone) != SCREE_OK) return INFINITY;
+  if (scene_leaf_support(node, &alone) != SCREE_OK) return HUGE_VAL;
   const float x = (float)p[0], y = (float)p[1], z = (float)p[2];
   float distance;
   scree_support_distance(alone, &x, &y, &z, &distance, 1);

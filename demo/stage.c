@@ -121,14 +121,14 @@ scree_result stage_update_field(stage* s, uint32_t index, uint32_t changed, scre
   const double start = timer_seconds();
   /* Boxes of what changes: the field before and after, then each later field that meets one of these. */
   double min[SCENE_FIELDS_MAX + 2][3], max[SCENE_FIELDS_MAX + 2][3];
-  uint32_t boxes = field_box(s, index, min[0], max[0]) ? 1 : 0;
+  uint32_t boxes = field_box(s, index, min[0], max[0]) ? 1u : 0u;
   scree_result result = scene_live_update(s->world, index, changed, error);
   if (result != SCREE_OK) return result;
-  if ((changed & ~SCENE_CHANGED_PALETTE) == 0) {
+  if ((changed & ~(uint32_t)SCENE_CHANGED_PALETTE) == 0) {
     colour_stones(s, index, f);
   } else {
     if ((changed & SCENE_CHANGED_PACK) != 0) f->count = 0; /* their pack may be gone */
-    boxes += field_box(s, index, min[boxes], max[boxes]) ? 1 : 0;
+    boxes += field_box(s, index, min[boxes], max[boxes]) ? 1u : 0u;
     result = query(s, index, error);
     for (uint32_t later = index + 1; later < s->field_count && result == SCREE_OK; ++later) {
       if (!field_box(s, later, min[boxes], max[boxes])) continue;

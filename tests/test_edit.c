@@ -213,7 +213,8 @@ static void added_support_stands_where_it_was_put(void** state) {
       scree_support* support;
       scree_error error = {""};
       const scene_paths paths = {.scene = "test"};
-      if (scene_support_create(&b.scene, field, &paths, NULL, NULL, NULL, &support, &error) != SCREE_OK) fail_msg("%s", error.message);
+      if (scene_support_create(&b.scene, field, &paths, NULL, NULL, NULL, &support, &error) != SCREE_OK)
+        fail_msg("%s", error.message);
       scree_support_destroy(support);
       bench_close(&b);
     }

@@ -61,7 +61,7 @@ static uint64_t count_of(opened* o, uint32_t field) {
 
 static void earlier_field_wins_where_two_meet(void** state) {
   (void)state;
-  opened o;
+  opened o = {.world = NULL};
   open_well(&o, "{\"fields\": [" BALL("one", "0", "2", "") "," BALL("two", "20", "3", ", \"seed\": 5") "]}");
   const uint64_t first = count_of(&o, 0), second = count_of(&o, 1);
   assert_in_range(first, 100, 1000000);
@@ -81,7 +81,7 @@ static void earlier_field_wins_where_two_meet(void** state) {
 
 static void density_and_filters_thin_out_a_field(void** state) {
   (void)state;
-  opened o;
+  opened o = {.world = NULL};
   open_well(&o, "{\"fields\": [" BALL("one", "0", "3", "") "]}");
   const uint64_t all = count_of(&o, 0);
   scree_error error;
@@ -104,7 +104,7 @@ static void density_and_filters_thin_out_a_field(void** state) {
 
 static void update_that_fails_leaves_the_field_as_it_was(void** state) {
   (void)state;
-  opened o;
+  opened o = {.world = NULL};
   open_well(&o, "{\"fields\": [" BALL("one", "0", "2", "") "," BALL("two", "1", "2", "") "]}");
   const uint64_t first = count_of(&o, 0), second = count_of(&o, 1);
   scree_error error;
@@ -123,7 +123,7 @@ static void update_that_fails_leaves_the_field_as_it_was(void** state) {
 
 static void field_that_cannot_be_opened_does_not_take_others_along(void** state) {
   (void)state;
-  opened o;
+  opened o = {.world = NULL};
   scree_error error = {""};
   assert_int_equal(open_scene(&o, "{\"fields\": [" BALL("gone", "0", "2", "") "," BALL("two", "0", "2", "") "]}", &error),
                    SCREE_ERROR_IO);
@@ -139,7 +139,7 @@ static void field_that_cannot_be_opened_does_not_take_others_along(void** state)
 
 static void fields_of_one_pack_share_it(void** state) {
   (void)state;
-  opened o;
+  opened o = {.world = NULL};
   open_well(&o, "{\"fields\": [" BALL("one", "0", "1", "") "," BALL("two", "9", "1", "") "," BALL("one", "19", "1", "") "]}");
   assert_ptr_equal(scene_live_pack(o.world, 0), scene_live_pack(o.world, 2));
   assert_ptr_not_equal(scene_live_pack(o.world, 0), scene_live_pack(o.world, 1));
@@ -156,7 +156,7 @@ static void too_many_rocks_are_refused_without_counting_them(void** state) {
   for (size_t i = 0; i < 3; ++i) {
     char text[400];
     snprintf(text, sizeof text, "{\"fields\": [%s]}", fields[i]);
-    opened o;
+    opened o = {.world = NULL};
     open_well(&o, text);
     scene_rocks rocks = {.rocks = NULL};
     scree_error error = {""};
@@ -170,7 +170,7 @@ static void too_many_rocks_are_refused_without_counting_them(void** state) {
 /* The limit is a limit, not a guess. */
 static void as_many_rocks_as_allowed_are_delivered(void** state) {
   (void)state;
-  opened o;
+  opened o = {.world = NULL};
   open_well(&o, "{\"fields\": [" BALL("one", "0", "3", "") "]}");
   const uint64_t all = count_of(&o, 0);
   scene_rocks rocks = {.rocks = NULL};
@@ -189,7 +189,7 @@ static void support_without_end_is_refused(void** state) {
   for (size_t i = 0; i < 2; ++i) {
     char text[256];
     snprintf(text, sizeof text, "{\"fields\": [{\"pack\": \"one\", \"support\": %s}]}", shapes[i]);
-    opened o;
+    opened o = {.world = NULL};
     scree_error error = {""};
     assert_int_equal(open_scene(&o, text, &error), SCREE_ERROR_RANGE);
     assert_non_null(strstr(error.message, "fields[0].support: it has no end"));
