@@ -16,8 +16,7 @@
 
 #include "make_pack.h"
 #include "rock_export.h"
-#include "scene.h"
-#include "scene_support.h"
+#include "scene_live.h"
 #include "support_file.h"
 #include "terrain.h"
 
@@ -65,7 +64,8 @@ static void fail_each(scree_result (*step)(scree_error* error), uint32_t least) 
 
 static const char scene_text[] =
     "{\"fields\": [{\"pack\": \"a\", \"support\": {\"shape\": \"union\", \"children\": ["
-    "{\"shape\": \"sphere\"}, {\"shape\": \"smooth_union\", \"children\": [{\"shape\": \"box\"}, {\"shape\": \"cone\"}]}]}},"
+    "{\"shape\": \"blobs\", \"points\": [[0, 0, 0, 1]]}, {\"shape\": \"smooth_union\", \"children\": [{\"shape\": \"box\"}, "
+    "{\"shape\": \"cone\"}]}]}},"
     "{\"pack\": \"b\", \"support\": {\"shape\": \"sphere\"}}]}";
 
 static scree_result parse_scene(scree_error* error) {
@@ -144,6 +144,41 @@ static struct {
   scene_palette palette;
 } given;
 
+static scree_result open_and_query(scree_error* error) {
+  static const double origin[3] = {0, 0, 0};
+  const scene_live_desc desc = {.scene = &loaded, .paths = {.scene = "s.json", .packs = "."}};
+  scene_live* live;
+  scree_result result = scene_live_create(&desc, &live, error);
+  if (result != SCREE_OK) return result;
+  scene_rocks rocks = {.rocks = NULL};
+  result = scene_live_update_all(live, error);
+  for (uint32_t i = 0; i < 2 && result == SCREE_OK; ++i)
+    result = scene_live_query(live, i, origin, SCREE_SCENE_VISIBLE, 1000000, &rocks, error);
+  scene_rocks_free(&rocks);
+  scene_live_destroy(live);
+  return result;
+}
+
+static void opening_and_querying_a_scene_survives(void** state) {
+  (void)state;
+  size_t size;
+  uint8_t* bytes = test_pack_make(&(test_pack_desc){.cells_per_cube = 3}, &size);
+  FILE* file = fopen("out_of_memory.scree", "wb");
+  assert_non_null(file);
+  assert_int_equal(fwrite(bytes, 1, size, file), size);
+  assert_int_equal(fclose(file), 0);
+  free(bytes);
+  static const char text[] =
+      "{\"fields\": [{\"pack\": \"out_of_memory\", \"cell_size\": 0.5, \"support\": {\"shape\": \"tube\", \"points\": [[0, 0, 0, "
+      "1], "
+      "[2, 0, 0, 1]]}}, {\"pack\": \"out_of_memory\", \"cell_size\": 0.4, \"filters\": [{\"filter\": \"altitude\", \"to\": 3}], "
+      "\"support\": {\"shape\": \"noise\", \"child\": {\"shape\": \"sphere\", \"radius\": 2}}}]}";
+  assert_int_equal(scene_parse(text, strlen(text), "s.json", &loaded, NULL), SCREE_OK);
+  fail_each(open_and_query, 8);
+  scene_destroy(&loaded);
+  assert_int_equal(remove("out_of_memory.scree"), 0);
+}
+
 static rock_format format;
 
 static scree_result export_rocks(scree_error* error) {
@@ -187,6 +222,7 @@ int main(void) {
       cmocka_unit_test(writing_and_copying_a_scene_survive),
       cmocka_unit_test(reading_a_mesh_survives),
       cmocka_unit_test(exporting_rocks_survives),
+      cmocka_unit_test(opening_and_querying_a_scene_survives),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
