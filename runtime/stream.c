@@ -28,6 +28,7 @@ static void lay_out(scree_stream* s, const scree_stream_caps* caps, arena* a) {
   size_t builds = caps->builds, decodes = 2 * (size_t)caps->decodes;
   s->node_count = node_count(caps);
   s->nodes = take(a, s->node_count, sizeof *s->nodes);
+  s->holes = take(a, s->node_count, sizeof *s->holes);
   s->wants = take(a, builds, sizeof *s->wants);
   s->blocks = take(a, caps->blocks, sizeof *s->blocks);
   s->watches = take(a, caps->blocks, sizeof *s->watches);
@@ -330,6 +331,7 @@ void scree_stream_get_stats(const scree_stream* s, scree_stream_stats* out) {
   out->decodes = s->decodes_under_way;
   out->builds = s->build_queue.count;
   out->coarser = s->coarser;
+  out->covered = scree_rt_stream_covered(s);
   out->degraded = s->refused + (s->view_limit < s->desc.view_distance || s->split_scale > 1);
   out->complete = s->pending == 0 && s->build_queue.count == 0 && s->decodes_under_way == 0 && s->waiting_count == 0 &&
                   s->coarser == 0 && out->degraded == 0;

@@ -73,7 +73,7 @@ typedef struct stream_pack {
   float lattice[2];                                  /* cells a lattice step: of rocks, of proxies */
   uint32_t absent[2][STREAM_CLASSES][STREAM_LEVELS]; /* meshes of a class and level that cannot be drawn */
   uint64_t bytes;                                    /* of all meshes that can be asked for */
-  uint32_t coarse_next;                              /* assets below have their coarsest mesh */
+  uint32_t coarse_next[2];                           /* rocks, proxies below have their coarsest mesh */
   uint32_t meshes_in, blocks;                        /* resident meshes, blocks that are shown */
   uint64_t coarse_bytes, largest;                    /* all coarsest meshes; the largest mesh of all */
   uint32_t largest_vertices, largest_indices;
@@ -105,6 +105,7 @@ typedef struct stream_node {
   uint32_t fresh;       /* what was built and is not shown yet; likewise */
   uint32_t generation;  /* of the place in the pool: builds for an earlier one are dropped */
   uint32_t shown_below; /* nodes of its subtree that are shown, itself among them */
+  uint32_t hole_at;     /* its place in the list of holes, or STREAM_NONE */
   uint16_t layer;
   uint8_t level;
   uint8_t empty; /* bit i: child i can hold nothing */
@@ -112,6 +113,7 @@ typedef struct stream_node {
   bool shown, ready; /* ready: fresh is the answer of a build */
   bool building, stale, split;
   bool opened;  /* it was shown and its children have taken its place */
+  bool first;   /* it came when its tree showed nothing: it may show itself before its children, though not all of it is in view */
   bool refused; /* a cap forbids it for ever: counts as shown, shows nothing */
 } stream_node;
 
@@ -254,7 +256,8 @@ struct scree_stream {
   /* Trees. */
   stream_node* nodes;
   uint32_t node_count, node_used, free_node;
-  stream_want* wants; /* a heap, the last to be built at its top */
+  uint32_t *holes, hole_count; /* nodes that may hold something and show nothing, nor does what is above or below them */
+  stream_want* wants;          /* a heap, the last to be built at its top */
   uint32_t want_count, want_room;
   uint32_t pending;    /* nodes that are not what they shall be */
   uint32_t expansions; /* nodes that may still be looked at for the first time in this update */
@@ -345,8 +348,8 @@ bool scree_rt_stream_mesh_ask(scree_stream* stream, uint32_t pack, uint32_t asse
 void scree_rt_stream_meshes_recount(scree_stream* stream);
 /* Sends coarsest meshes and what has been decoded; lets go of what is unused where room is short. */
 void scree_rt_stream_meshes_send(scree_stream* stream);
-/* Whether all coarsest meshes of a layer are in. */
-bool scree_rt_stream_layer_is_in(const scree_stream* stream, uint32_t layer);
+/* Whether the coarsest meshes of what nodes of a layer and level show are all in. */
+bool scree_rt_stream_coarsest_are_in(const scree_stream* stream, uint32_t layer, uint32_t level);
 
 /* stream_levels.c */
 static inline uint64_t stream_run_bytes(const stream_block* block) {
@@ -395,6 +398,8 @@ void scree_rt_stream_touch(scree_stream* stream, uint32_t layer, const double mi
 void scree_rt_stream_bury(scree_stream* stream, uint32_t layer);
 /* Nearest distance from any view to a box, metres; scaled: in pixels of the sharpest view. */
 double scree_rt_stream_distance(const scree_stream* stream, const double low[3], const double high[3], double* scaled);
+/* How far from the views the nearest hole is, metres; view_distance at most. */
+double scree_rt_stream_covered(const scree_stream* stream);
 
 /* stream_tasks.c */
 scree_result scree_rt_stream_tasks_init(scree_stream* stream);

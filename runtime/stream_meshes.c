@@ -5,6 +5,8 @@
 #include "stream_internal.h"
 #include "support_text.h"
 
+enum { COARSEST_ROCKS = 2048 }; /* in one update, where proxies are shown meanwhile */
+
 static void put_idle(scree_stream* s, uint32_t slot) {
   stream_mesh* mesh = &s->meshes[slot];
   mesh->before = s->idle_last;
@@ -158,11 +160,12 @@ static scree_result read_coarsest(const scree_stream* s, const stream_pack* p, u
 }
 
 /* Vertices are put into the staging buffer from its start, indices from its end, so that neither needs padding. */
-static void send_coarsest(scree_stream* s, uint32_t pack) {
+static void send_coarsest(scree_stream* s, uint32_t pack, uint32_t kind, uint32_t most) {
   stream_pack* p = &s->packs[pack];
+  uint32_t first = kind == 0 ? 0 : p->assets, end = kind == 0 ? p->assets : p->total;
   size_t low = s->staging_low, high = s->staging_high;
-  while (p->coarse_next < p->total) {
-    uint32_t asset = p->coarse_next;
+  for (uint32_t sent = 0; first + p->coarse_next[kind] < end && sent < most; ++sent) {
+    uint32_t asset = first + p->coarse_next[kind];
     stream_mesh* mesh = &s->meshes[stream_mesh_slot(p, asset, p->levels - 1)];
     uint64_t bytes = stream_mesh_bytes(mesh);
     if (bytes > high - low || !scree_rt_stream_can_send(s, 1, bytes) || !make_room(s, bytes)) break;
@@ -171,7 +174,7 @@ static void send_coarsest(scree_stream* s, uint32_t pack) {
     scree_vertex* vertices = (scree_vertex*)(void*)(s->staging + low);
     uint16_t* indices = (uint16_t*)(void*)(s->staging + indices_at);
     scree_result result = read_coarsest(s, p, asset, vertices, indices);
-    ++p->coarse_next;
+    ++p->coarse_next[kind];
     if (result != SCREE_OK) {
       mesh->state = MESH_VOID;
       count_absent(s, p, asset, p->levels - 1, false);
@@ -186,9 +189,20 @@ static void send_coarsest(scree_stream* s, uint32_t pack) {
   s->staging_high = high;
 }
 
-bool scree_rt_stream_layer_is_in(const scree_stream* s, uint32_t layer) {
+bool scree_rt_stream_coarsest_are_in(const scree_stream* s, uint32_t layer, uint32_t level) {
   const stream_pack* p = &s->packs[s->layers[layer].pack];
-  return p->coarse_next == p->total;
+  return level == 0 ? p->coarse_next[0] == p->assets : p->coarse_next[1] == p->total - p->assets;
+}
+
+/* Proxies first: they are what a first picture consists of. Rocks then take a few updates, because a mesh takes time to unpack. */
+static void send_all_coarsest(scree_stream* s) {
+  for (uint32_t kind = 2; kind-- > 0;)
+    for (uint32_t i = 0; i < STREAM_PACKS; ++i) {
+      const stream_pack* p = &s->packs[i];
+      if (p->pack == NULL || p->dead) continue;
+      bool apart = kind == 0 && p->total > p->assets && !s->desc.no_far_field;
+      send_coarsest(s, i, kind, apart ? COARSEST_ROCKS : UINT32_MAX);
+    }
 }
 
 /* --- decoded meshes --------------------------------------------------------------------------------------------------------- */
@@ -238,8 +252,7 @@ void scree_rt_stream_meshes_send(scree_stream* s) {
   s->staging_high = s->staging_size / 2 * 2;
   for (uint32_t i = 0; i < STREAM_PACKS; ++i)
     if (s->packs[i].pack != NULL && s->packs[i].dead && s->packs[i].meshes_in > 0) send_dead_out(s, i);
-  for (uint32_t i = 0; i < STREAM_PACKS; ++i)
-    if (s->packs[i].pack != NULL && !s->packs[i].dead && s->packs[i].coarse_next < s->packs[i].total) send_coarsest(s, i);
+  send_all_coarsest(s);
   for (uint32_t i = 0; i < s->decode_queue.count; ++i) {
     stream_decode* d = &s->decodes[s->decode_queue.order[i]];
     if (d->sent || !atomic_load_explicit(&d->task.done, memory_order_acquire)) continue;

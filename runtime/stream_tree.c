@@ -13,7 +13,9 @@ enum {
   CONTEXT_FROZEN = 2   /* an ancestor wants to take this node's place: nothing new is built */
 };
 
-#define OUTSIDE_FRUSTUM 1e6 /* comes after all that is inside */
+#define OUTSIDE_FRUSTUM 4e6 /* comes after all that is inside */
+#define HOLE 1e6            /* where nothing is shown comes before what only gets finer */
+#define FIRST_WIDTH 0.5     /* of the view, for what shows itself first */
 
 /* --- distances -------------------------------------------------------------------------------------------------------------- */
 
@@ -54,6 +56,11 @@ static bool is_wholly_near(const scree_stream* s, const double low[3], const dou
   return false;
 }
 
+/* Whether a node may show itself before its children though a part of it is out of view. */
+static bool is_small(const scree_stream* s, const stream_node* node) {
+  return node->first && stream_node_width(&s->layers[node->layer], node->level) <= s->view_limit * FIRST_WIDTH;
+}
+
 /* Whether no view can see a box. */
 static bool is_out_of_sight(const scree_stream* s, const double low[3], const double high[3]) {
   for (uint32_t v = 0; v < s->view_count; ++v) {
@@ -82,6 +89,33 @@ static double split_distance(const scree_stream* s, const stream_layer* layer, u
   return metres * s->pixels / ((double)s->desc.max_error_pixels * s->split_scale);
 }
 
+/* --- holes ------------------------------------------------------------------------------------------------------------------ */
+
+static void set_hole(scree_stream* s, uint32_t number, bool hole) {
+  stream_node* node = &s->nodes[number];
+  if (hole == (node->hole_at != STREAM_NONE)) return;
+  if (hole) {
+    node->hole_at = s->hole_count;
+    s->holes[s->hole_count++] = number;
+  } else {
+    uint32_t last = s->holes[--s->hole_count];
+    s->holes[node->hole_at] = last;
+    s->nodes[last].hole_at = node->hole_at;
+    node->hole_at = STREAM_NONE;
+  }
+}
+
+double scree_rt_stream_covered(const scree_stream* s) {
+  double covered = s->view_limit;
+  for (uint32_t i = 0; i < s->hole_count; ++i) {
+    const stream_node* node = &s->nodes[s->holes[i]];
+    double low[3], high[3], scaled;
+    node_box(&s->layers[node->layer], node->level, node->at, low, high);
+    covered = fmin(covered, scree_rt_stream_distance(s, low, high, &scaled));
+  }
+  return s->view_count > 0 ? covered : s->desc.view_distance;
+}
+
 /* --- nodes ------------------------------------------------------------------------------------------------------------------ */
 
 static uint32_t take_node(scree_stream* s) {
@@ -98,7 +132,7 @@ static uint32_t take_node(scree_stream* s) {
   memset(node, 0, sizeof *node);
   node->generation = generation;
   node->due = -INFINITY;
-  node->parent = node->next = node->block = node->fresh = STREAM_NONE;
+  node->parent = node->next = node->block = node->fresh = node->hole_at = STREAM_NONE;
   for (int i = 0; i < 8; ++i) node->child[i] = STREAM_NONE;
   return number;
 }
@@ -124,6 +158,7 @@ static uint32_t make_node(scree_stream* s, uint32_t layer, uint32_t level, const
   node->level = (uint8_t)level;
   node->parent = parent;
   node->touched = s->touch;
+  node->first = parent == STREAM_NONE || (s->nodes[parent].first && !s->nodes[parent].opened && s->nodes[parent].shown_below == 0);
   return number;
 }
 
@@ -148,6 +183,7 @@ static void free_node(scree_stream* s, uint32_t number) {
       if (parent->child[i] == number) parent->child[i] = STREAM_NONE;
   }
   if (node->refused) --s->refused;
+  set_hole(s, number, false);
   ++node->generation;
   node->next = s->free_node;
   s->free_node = number;
@@ -226,7 +262,7 @@ static void build_wants(scree_stream* s) {
 /* A node takes the place of all that is shown below it. */
 static bool try_show(scree_stream* s, uint32_t number) {
   stream_node* node = &s->nodes[number];
-  if (!scree_rt_stream_layer_is_in(s, node->layer)) return false;
+  if (!scree_rt_stream_coarsest_are_in(s, node->layer, node->level)) return false;
   uint32_t events = node->shown_below + 1;
   uint64_t bytes = scree_rt_stream_fresh_bytes(s, node) + (uint64_t)node->shown_below * sizeof(scree_stream_run) * STREAM_CLASSES;
   if (!scree_rt_stream_can_send(s, events, bytes)) {
@@ -242,6 +278,7 @@ static bool try_show(scree_stream* s, uint32_t number) {
 /* The children take the place of the node. */
 static bool try_split(scree_stream* s, uint32_t number) {
   stream_node* node = &s->nodes[number];
+  if (!scree_rt_stream_coarsest_are_in(s, node->layer, node->level - 1u)) return false;
   uint32_t events = 1;
   uint64_t bytes = sizeof(scree_stream_run) * STREAM_CLASSES;
   for (int i = 0; i < 8; ++i) {
@@ -270,10 +307,11 @@ static double pend(scree_stream* s) {
   return -INFINITY;
 }
 
-/* The order in which nodes are built: how far away they are, in their own widths. */
+/* The order in which nodes are built: holes first, then how far away they are, in their own widths. */
 static double build_order(const scree_stream* s, const stream_node* node, const double low[3], const double high[3],
                           double scaled) {
   double order = scaled / stream_node_width(&s->layers[node->layer], node->level);
+  if (!(node->context & CONTEXT_COVERED) && node->shown_below == 0) order -= HOLE;
   return is_out_of_sight(s, low, high) ? order + OUTSIDE_FRUSTUM : order;
 }
 
@@ -306,11 +344,16 @@ static double visit_leaf(scree_stream* s, uint32_t number, uint8_t context, doub
   node->split = false;
   if (!node->shown) {
     if (!node->ready && !node->building) want(s, number, order);
-    if (!(context & CONTEXT_COVERED) && node->ready && try_show(s, number)) return INFINITY;
+    if (!(context & CONTEXT_COVERED) && node->ready && try_show(s, number)) {
+      set_hole(s, number, false);
+      return INFINITY;
+    }
+    set_hole(s, number, !(context & CONTEXT_COVERED) && node->shown_below == 0);
     visit_children(s, number, CONTEXT_FROZEN);
     /* Under an ancestor that is shown, a node that is ready waits for its siblings; the ancestor is pending for it. */
     return pend(s);
   }
+  set_hole(s, number, node->refused);
   double due = INFINITY;
   for (int i = 0; i < 8; ++i)
     if (node->child[i] != STREAM_NONE && !prune(s, node->child[i], false)) due = pend(s);
@@ -352,19 +395,21 @@ static double visit_split(scree_stream* s, uint32_t number, uint8_t context) {
   if (!node->shown && node->ready) scree_rt_stream_drop_fresh(s, node);
   uint8_t below = context & CONTEXT_COVERED || node->shown ? CONTEXT_COVERED : 0;
   double due = INFINITY;
-  bool all_ready = true;
+  bool all_ready = true, any_missing = false;
   for (int i = 0; i < 8; ++i) {
     bool missing = false;
     uint32_t child = child_of(s, number, i, &missing, &due);
     if (missing) {
       due = pend(s);
       all_ready = false;
+      any_missing = true;
     }
     if (child == STREAM_NONE) continue;
     due = fmin(due, visit(s, child, below));
     if (node->child[i] == STREAM_NONE) continue;
     if (!s->nodes[child].shown && !s->nodes[child].ready) all_ready = false;
   }
+  set_hole(s, number, any_missing && below == 0);
   if (!node->shown) return due;
   if (!all_ready || !try_split(s, number)) return pend(s);
   return -INFINITY; /* children are no longer covered */
@@ -405,7 +450,7 @@ static double visit(scree_stream* s, uint32_t number, uint8_t context) {
       split = scaled < (node->split ? far : near);
       due = fmin(due, s->travel + (split ? far - scaled : scaled - near));
       if (split && (context & CONTEXT_COVERED)) split = false;
-      if (split && node->shown_below == 0 && !node->opened && is_wholly_near(s, low, high)) {
+      if (split && node->shown_below == 0 && !node->opened && (is_small(s, node) || is_wholly_near(s, low, high))) {
         split = false;
         due = pend(s); /* it shows itself first, and is split then */
       }
@@ -535,7 +580,7 @@ void scree_rt_stream_tree_update(scree_stream* s) {
   for (uint32_t i = 0; i < s->layer_count; ++i) {
     stream_layer* layer = &s->layers[i];
     if (s->revisit || s->travel >= layer->root_due) find_roots(s, i);
-    if (!scree_rt_stream_layer_is_in(s, i)) ++s->pending;
+    if (!scree_rt_stream_coarsest_are_in(s, i, 0) || !scree_rt_stream_coarsest_are_in(s, i, 1)) ++s->pending;
     for (uint32_t root = layer->root; root != STREAM_NONE;) {
       uint32_t next = s->nodes[root].next, generation = s->nodes[root].generation;
       double due = visit(s, root, 0);

@@ -210,6 +210,8 @@ static void run_flights(const bench* b) {
 
 /* --- first picture ---------------------------------------------------------------------------------------------------------- */
 
+/* From a file that is not open to a view in which every place shows something, with far proxies where rocks have yet to come; then
+ * to all rocks. Without tasks: the caller does all the work. */
 static void first_picture(const bench* b) {
   if (!wanted(b, "stream.first_picture")) return;
   double start = seconds(CLOCK_MONOTONIC);
@@ -224,9 +226,9 @@ static void first_picture(const bench* b) {
   desc.caps.instances = 8u << 20;
   desc.decode = NULL;
   check(scree_stream_create(&desc, NULL, &stream, NULL), "stream");
-  double opened = seconds(CLOCK_MONOTONIC), time = 0;
+  double opened = seconds(CLOCK_MONOTONIC), time = 0, covered = 0;
   scree_view view = view_at(b, 700);
-  uint32_t updates = 0;
+  uint32_t updates = 0, updates_covered = 0, proxies = 0;
   scree_stream_stats stats;
   do {
     const scree_event* events;
@@ -234,12 +236,21 @@ static void first_picture(const bench* b) {
     check(scree_stream_update(stream, &view, 1, time += 1.0 / 60, &events, &count), "update");
     scree_stream_get_stats(stream, &stats);
     ++updates;
+    if (covered == 0 && stats.covered >= desc.view_distance) {
+      covered = seconds(CLOCK_MONOTONIC);
+      updates_covered = updates;
+      proxies = stats.proxies;
+    }
   } while (!stats.complete && updates < 1000);
   double ended = seconds(CLOCK_MONOTONIC);
-  char more[200];
-  snprintf(more, sizeof more, ", \"opening\": %.2f, \"updates\": %u, \"instances\": %u, \"complete\": %s", (opened - start) * 1e3,
-           updates, stats.instances, stats.complete ? "true" : "false");
-  print_row("stream.first_picture", (ended - start) * 1e3, "ms", 100, more);
+  if (covered == 0) die("stream.first_picture: the view is never covered");
+  char more[300];
+  snprintf(more, sizeof more,
+           ", \"opening\": %.2f, \"updates\": %u, \"proxies\": %u, \"complete_ms\": %.0f, \"complete_updates\": %u, \"instances\": "
+           "%u, \"complete\": %s",
+           (opened - start) * 1e3, updates_covered, proxies, (ended - start) * 1e3, updates, stats.instances,
+           stats.complete ? "true" : "false");
+  print_row("stream.first_picture", (covered - start) * 1e3, "ms", 100, more);
   scree_stream_destroy(stream);
   scree_scene_destroy(scene);
   scree_field_destroy(field);

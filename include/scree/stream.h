@@ -175,7 +175,8 @@ typedef struct scree_stream_stats {
   uint32_t decodes, builds;          /* under way */
   uint32_t coarser;                  /* instances drawn coarser than the rule says, for want of their mesh */
   uint32_t degraded;                 /* 0 unless a cap binds: blocks are drawn as proxies, or not at all, for want of room */
-  bool complete;                     /* nothing is under way and nothing is missing */
+  double covered; /* metres: all that is nearer to a view shows rocks or proxies, or has none; view_distance at most */
+  bool complete;  /* nothing is under way and nothing is missing */
 } scree_stream_stats;
 
 /* What is shown as of the last update. */
