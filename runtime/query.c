@@ -145,7 +145,8 @@ static scree_result execute(const scree_query_desc* d, query_kernel kernel, scre
 
 scree_result scree_rt_query_cells(const cell_query* q, scree_instance* instances, scree_id* ids, uint64_t capacity,
                                   uint64_t* count) {
-  query_run run = prepare(q->field, q->support, q->origin, q->threshold, q->depth > 0 ? -q->depth : -INFINITY);
+  float floor = q->outside ? q->above : q->depth > 0 ? -q->depth : -INFINITY;
+  query_run run = prepare(q->field, q->support, q->origin, q->threshold, floor);
   run.deep = q->deep;
   run.instances = instances;
   run.ids = ids;

@@ -62,6 +62,8 @@ typedef struct cell_query {
   float threshold;
   float depth;           /* rocks as deep as this or deeper do not exist; 0 = they do */
   const cell_grid* deep; /* or NULL: rocks as deep as `depth` are noted here, as in query_run; it holds [low, high) */
+  bool outside;          /* only rocks whose centroids are more than `above` outside, metres; `depth` is not looked at */
+  float above;
   int64_t low[3], high[3];
 } cell_query;
 

@@ -8,7 +8,17 @@
  *
  * So each level is a field of its own, with one rock a cell and the same rocks in all tiles, which is made in some hundred
  * nanoseconds where it is needed, and the queries that find rocks find parts. Parts whose 26 neighbours exist are culled like
- * rocks with a burial of 1. */
+ * rocks with a burial of 1.
+ *
+ *   a layer thinner than a part           [     ][     ][     ][     ]
+ *   slips through between the             [  x  ][  x  ][  x  ][. x .]      thin parts: along the axis on which the support is
+ *   middles: there parts exist            [     ][.....][.....]     ]       crossed most steeply, the middle nearest to it
+ *   that are nearest to it                [ ... ][  x  ][  x  ][  x  ]
+ *
+ * Thin parts lie outside, at most half a part away, and nearer than both neighbours along one axis: the axis of the largest rise of
+ * the distance. Of a plane sheet that leaves one part of each column along the axis, so without holes; beside a support that is
+ * thicker than a part there is none, because the next middle inwards is inside. (Asking that no neighbour at all be inside leaves
+ * holes: beside each column that does have a middle inside.) They hide nothing and are never culled. */
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
@@ -106,6 +116,84 @@ static void make_tables(far_tables* t, const scene_layer* layer, double scale) {
   t->scene.layers = &t->layer;
 }
 
+/* Where the middle of a part is in the support's space, as the query has it. */
+static void find_middle(const far_tables* t, const double base[3], const int64_t part[3], float at[3]) {
+  for (int a = 0; a < 3; ++a) at[a] = (float)(base[a] + t->field.cell_size * (double)part[a]) + t->xyz[a][(part[a] & 1) << a];
+}
+
+enum { THIN_POINTS = 7, THIN_BATCH = 9 }; /* a middle, then along each axis the next and the one before */
+
+/* Whether a part whose middle is outside is thin, by the distances at its middle and at those beside it. */
+static bool is_thin(const float d[THIN_POINTS]) {
+  uint32_t axis = 0;
+  float most = -INFINITY;
+  for (uint32_t a = 0; a < 3; ++a) {
+    float rise = d[1 + 2 * a] > d[2 + 2 * a] ? d[1 + 2 * a] : d[2 + 2 * a];
+    if (rise > most) {
+      most = rise;
+      axis = a;
+    }
+  }
+  return d[0] < d[1 + 2 * axis] && d[0] <= d[2 + 2 * axis];
+}
+
+/* Adds the thin parts of the cells to the parts that were found: `instances` and `ids` from `first` on. */
+static scree_result find_thin_parts(far_tables* t, const int64_t low[3], const int64_t high[3], const double origin[3],
+                                    scree_scratch* scratch, uint64_t first, uint64_t* count) {
+  const scene_layer* layer = &t->layer;
+  const scree_support* support = layer->given.support;
+  double threshold = layer->given.threshold > 0 ? (double)layer->given.threshold : 0.5, steepest = layer->lipschitz;
+  cell_query query = {.field = &t->field, .support = support, .threshold = 0.25f, .outside = true};
+  query.above = (float)(1 - 2 * threshold) * t->field.mean_radius_max;
+  float radius = 2 * (query.above + (float)(t->field.cell_size * 0.5 * (steepest > 1 ? steepest : 1)));
+  t->field.mean_radius_min = t->field.mean_radius_max = radius; /* a threshold of a quarter moves surfaces by half of it */
+  for (uint32_t i = 0; i < FAR_PARTS; ++i) t->mean_radius[i] = radius;
+  memcpy(query.origin, origin, sizeof query.origin);
+  memcpy(query.low, low, sizeof query.low);
+  memcpy(query.high, high, sizeof query.high);
+  uint64_t found = 0;
+  for (size_t room = FIELD_OCTET;; room = (size_t)found + FIELD_OCTET) {
+    scree_instance* instances = scree_rt_scratch_extend(scratch, SCRATCH_INSTANCES, first, first + room, sizeof *instances);
+    scree_id* ids = scree_rt_scratch_extend(scratch, SCRATCH_IDS, first, first + room, sizeof *ids);
+    if (instances == NULL || ids == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
+    size_t more = scratch_room(scratch, SCRATCH_INSTANCES, sizeof *instances),
+           others = scratch_room(scratch, SCRATCH_IDS, sizeof *ids);
+    room = (more < others ? more : others) - (size_t)first;
+    scree_result result = scree_rt_query_cells(&query, instances + first, ids + first, room, &found);
+    if (result == SCREE_OK) break;
+    if (result != SCREE_ERROR_CAPACITY) return result;
+  }
+  scree_instance* instances = (scree_instance*)scratch->buffers[SCRATCH_INSTANCES].memory + first;
+  scree_id* ids = (scree_id*)scratch->buffers[SCRATCH_IDS].memory + first;
+  double base[3];
+  for (int a = 0; a < 3; ++a) base[a] = t->field.origin[a] - support->origin[a];
+  uint64_t kept = 0;
+  for (uint64_t from = 0; from < found; from += THIN_BATCH) {
+    uint32_t batch = found - from < THIN_BATCH ? (uint32_t)(found - from) : THIN_BATCH;
+    float x[THIN_BATCH * THIN_POINTS], y[THIN_BATCH * THIN_POINTS], z[THIN_BATCH * THIN_POINTS], d[THIN_BATCH * THIN_POINTS];
+    for (uint32_t i = 0; i < batch; ++i) {
+      for (uint32_t k = 0; k < THIN_POINTS; ++k) {
+        int64_t part[3];
+        float at[3];
+        for (uint32_t a = 0; a < 3; ++a) part[a] = (int64_t)ids[from + i].cube[a] * FAR_CELLS + t->places[ids[from + i].local][a];
+        if (k > 0) part[(k - 1) / 2] += (k & 1) ? 1 : -1;
+        find_middle(t, base, part, at);
+        x[i * THIN_POINTS + k] = at[0];
+        y[i * THIN_POINTS + k] = at[1];
+        z[i * THIN_POINTS + k] = at[2];
+      }
+    }
+    scree_support_distance(support, x, y, z, d, batch * THIN_POINTS);
+    for (uint32_t i = 0; i < batch; ++i) {
+      if (!is_thin(&d[i * THIN_POINTS]) || (layer->filtered && !scree_rt_scene_passes(layer, &ids[from + i]))) continue;
+      instances[kept] = instances[from + i];
+      ids[kept++] = ids[from + i];
+    }
+  }
+  *count = kept;
+  return SCREE_OK;
+}
+
 static bool has_proxies(const scree_field* field) {
   if (field->pack == NULL) return true; /* a field of a test */
   scree_pack_info info;
@@ -138,7 +226,13 @@ scree_result scree_rt_scene_far(const scree_scene* scene, uint32_t layer, uint32
   }
   scree_result result = scree_rt_scene_answer(&q, &tables->scene, NULL, 0, low, high, origin, true, UINT64_MAX, scratch);
   if (result != SCREE_OK) return result;
-  const layer_rocks* parts = &q.layers[0];
+  layer_rocks* parts = &q.layers[0];
+  uint64_t thin;
+  result = find_thin_parts(tables, low, high, origin, scratch, parts->first + parts->count, &thin);
+  if (result != SCREE_OK) return result;
+  q.instances = scratch->buffers[SCRATCH_INSTANCES].memory;
+  q.ids = scratch->buffers[SCRATCH_IDS].memory;
+  parts->count += thin;
   scree_rock* rocks = scree_rt_scratch_reserve(scratch, SCRATCH_ROCKS, parts->count + 1, sizeof *rocks);
   if (rocks == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
 

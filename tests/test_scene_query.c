@@ -311,39 +311,78 @@ typedef struct far_twin {
   float shell;
 } far_twin;
 
-/* Whether a part exists, by its place: cube * 2 + (0 or 1) along each axis. */
-static bool part_exists(const far_twin* t, const int64_t part[3]) {
+/* The distance at the middle of a part, by its place: cube * 2 + (0 or 1) along each axis. */
+static float part_distance(const far_twin* t, const int64_t part[3], scree_id* id) {
   const scree_field* f = t->w->fields[t->layer];
-  const scree_layer* layer = &t->w->layers[t->layer];
   uint32_t n = f->cells_per_cube;
   double cell = f->cell_size * t->scale, half = cell * n * 0.5;
   float at[3], d;
-  scree_id id = {.local = 0};
+  *id = (scree_id){.local = 0};
   for (int a = 0; a < 3; ++a) {
     int64_t high = ((part[a] % 2) + 2) % 2;
     double middle = high ? ((n + 1) / 2 + n) * cell * 0.5 : (n + 1) / 2 * cell * 0.5; /* from the cube's start */
     double start = f->origin[a] - f->cell_size * 0.5;
     at[a] = (float)((start + half * 0.5 - t->w->supports[t->layer]->origin[a]) + half * (double)part[a]) +
             (float)(middle - (high ? half * 1.5 : half * 0.5));
-    id.cube[a] = (int32_t)((part[a] - high) / 2);
-    id.local = (uint16_t)(id.local | high << a);
+    id->cube[a] = (int32_t)((part[a] - high) / 2);
+    id->local = (uint16_t)(id->local | high << a);
   }
   scree_support_distance(t->w->supports[t->layer], &at[0], &at[1], &at[2], &d, 1);
+  return d;
+}
+
+/* How far outside middles may be. */
+static float part_offset(const far_twin* t) {
+  const scree_field* f = t->w->fields[t->layer];
+  const scree_layer* layer = &t->w->layers[t->layer];
   float threshold = layer->threshold > 0 ? layer->threshold : 0.5f;
-  if (d > (float)(1 - 2 * (double)threshold) * ((f->mean_radius_min + f->mean_radius_max) * 0.5f)) return false;
-  if (layer->shell_depth > 0 && d <= -t->shell) return false;
-  uint64_t hash = hash_corner(f->seed ^ UINT64_C(0xd1b54a32d192ed03), id.cube[0], id.cube[1], id.cube[2]);
-  return layer->density == 0 || (double)(hash_combine(hash, id.local) >> 11) * 0x1p-53 < (double)layer->density;
+  return (float)(1 - 2 * (double)threshold) * ((f->mean_radius_min + f->mean_radius_max) * 0.5f);
+}
+
+static bool part_passes(const far_twin* t, const scree_id* id) {
+  const scree_layer* layer = &t->w->layers[t->layer];
+  uint64_t hash = hash_corner(t->w->fields[t->layer]->seed ^ UINT64_C(0xd1b54a32d192ed03), id->cube[0], id->cube[1], id->cube[2]);
+  return layer->density == 0 || (double)(hash_combine(hash, id->local) >> 11) * 0x1p-53 < (double)layer->density;
+}
+
+static bool part_exists(const far_twin* t, const int64_t part[3]) {
+  scree_id id;
+  float d = part_distance(t, part, &id);
+  if (d > part_offset(t) || (t->w->layers[t->layer].shell_depth > 0 && d <= -t->shell)) return false;
+  return part_passes(t, &id);
+}
+
+/* Whether a part exists because the support is too thin for middles. */
+static bool part_is_thin(const far_twin* t, const int64_t part[3]) {
+  const scree_field* f = t->w->fields[t->layer];
+  double width = f->cell_size * t->scale * f->cells_per_cube * 0.5, steepest = scree_rt_support_lipschitz(t->w->supports[t->layer]);
+  scree_id id, other;
+  float d = part_distance(t, part, &id), offset = part_offset(t), most = -INFINITY;
+  bool nearest = false;
+  if (!(d > offset && (double)d <= (double)offset + width * 0.5 * fmax(steepest, 1))) return false;
+  for (int a = 0; a < 3; ++a) {
+    int64_t after[3] = {part[0], part[1], part[2]}, before[3] = {part[0], part[1], part[2]};
+    ++after[a];
+    --before[a];
+    float d_after = part_distance(t, after, &other), d_before = part_distance(t, before, &other), far = fmaxf(d_after, d_before);
+    if (!(far > most)) continue;
+    most = far;
+    nearest = d < d_after && d <= d_before;
+  }
+  return nearest && part_passes(t, &id);
 }
 
 static void far_field_equals_its_plain_twin(void** state) {
   (void)state;
   random_stream r = {24};
   scree_scratch* scratch = make_scratch();
-  uint64_t wholes = 0, singles = 0, culled = 0;
-  for (int round = 0; round < 40; ++round) {
+  uint64_t wholes = 0, singles = 0, culled = 0, thin = 0;
+  for (int round = 0; round < 80; ++round) {
     world w;
-    make_thick_world(&w, &r);
+    round % 2 ? make_world(&w, &r, 1) : make_thick_world(&w, &r);
+    for (uint32_t i = 0; i < w.count; ++i) w.layers[i].filter_count = 0;
+    scree_scene_destroy(w.scene);
+    assert_int_equal(scree_scene_create(&w.desc, NULL, &w.scene, NULL), SCREE_OK);
     uint32_t k = random_below(&r, w.count), level = random_below(&r, 4);
     const scree_field* f = w.fields[k];
     far_twin t = {&w, k, (double)(1u << level), w.layers[k].shell_depth};
@@ -367,9 +406,10 @@ static void far_field_equals_its_plain_twin(void** state) {
     for (c[2] = low[2]; c[2] < high[2]; ++c[2])
       for (c[1] = low[1]; c[1] < high[1]; ++c[1])
         for (c[0] = low[0]; c[0] < high[0]; ++c[0]) {
-          uint32_t shown = 0;
+          uint32_t shown = 0, thin_ones = 0;
           for (uint32_t p = 0; p < 8; ++p) {
             const int64_t part[3] = {2 * (int64_t)c[0] + (p & 1), 2 * (int64_t)c[1] + (p >> 1 & 1), 2 * (int64_t)c[2] + (p >> 2)};
+            if (part_is_thin(&t, part)) thin_ones |= 1u << p;
             if (!part_exists(&t, part)) continue;
             bool hidden = true;
             for (int i = 0; i < 27 && hidden; ++i) {
@@ -380,7 +420,8 @@ static void far_field_equals_its_plain_twin(void** state) {
             if (!hidden) shown |= 1u << p;
           }
           for (uint32_t p = 0; p < 9; ++p) {
-            if (!(p == 0 ? shown == 0xff : shown != 0xff && (shown >> (p - 1) & 1))) continue;
+            if (!(p == 0 ? shown == 0xff : shown != 0xff && ((shown | thin_ones) >> (p - 1) & 1))) continue;
+            if (p > 0) thin += thin_ones >> (p - 1) & 1;
             assert_true(expected < sorted.count);
             const scree_rock* rock = &sorted.rocks[expected++];
             assert_memory_equal(rock->id.cube, c, sizeof c);
@@ -400,7 +441,167 @@ static void far_field_equals_its_plain_twin(void** state) {
     free(sorted.rocks);
     destroy_world(&w);
   }
-  assert_true(wholes > 20 && singles > 1000 && culled > 1000);
+
+  assert_true(wholes > 20 && singles > 1000 && culled > 1000 && thin > 80);
+  scree_scratch_destroy(scratch);
+}
+
+/* One layer of a field of N cells a cube of 1 m; parts are N / 2 m wide. */
+typedef struct far_layer {
+  synthetic_source source;
+  scree_field* field;
+  scree_support* support;
+  scree_scene* scene;
+  double width; /* of a part */
+} far_layer;
+
+static void make_far_layer(far_layer* l, random_stream* r, uint32_t n, const scree_shape* shapes, uint32_t shape_count) {
+  l->source = synthetic_create(n, 1, 1, random_bits(r));
+  scree_field_desc field = {.seed = random_bits(r), .cell_size = 1};
+  for (int a = 0; a < 3; ++a) field.origin[a] = random_in(r, -(double)n, n);
+  assert_int_equal(scree_rt_field_create_from_source(&field, &l->source.source, NULL, &l->field), SCREE_OK);
+  scree_support_desc desc = {.shapes = shapes, .shape_count = shape_count};
+  assert_int_equal(scree_support_create(&desc, NULL, &l->support, NULL), SCREE_OK);
+  scree_layer layer = {.field = l->field, .support = l->support};
+  assert_int_equal(scree_scene_create(&(scree_scene_desc){&layer, 1}, NULL, &l->scene, NULL), SCREE_OK);
+  l->width = n * 0.5;
+}
+
+static void free_far_layer(far_layer* l) {
+  scree_scene_destroy(l->scene);
+  scree_support_destroy(l->support);
+  scree_field_destroy(l->field);
+  synthetic_destroy(&l->source);
+}
+
+/* The box of a proxy, in the world. */
+static void proxy_box(const far_layer* l, const scree_rock* rock, double low[3], double high[3]) {
+  uint32_t n = l->field->cells_per_cube;
+  for (int a = 0; a < 3; ++a) {
+    double start = l->field->origin[a] - 0.5 + (double)n * rock->id.cube[a], middle = start + (n + 1) / 2;
+    bool upper = rock->id.local > 0 && ((rock->id.local - 1u) >> a & 1);
+    low[a] = upper ? middle : start;
+    high[a] = rock->id.local == 0 || upper ? start + n : middle;
+  }
+}
+
+static const int32_t FAR_LOW[3] = {-9, -9, -9}, FAR_HIGH[3] = {10, 10, 10}; /* cubes, to 8 N metres at least */
+
+/* Flat sheets, bent ones and heightfields, from a tenth of a part to two parts thick, at every slope. */
+static void far_field_of_a_thin_layer_has_no_holes(void** state) {
+  (void)state;
+  random_stream r = {77};
+  scree_scratch* scratch = make_scratch();
+  enum { SIDE = 33, POINTS = 1000 };
+  for (int round = 0; round < 60; ++round) {
+    uint32_t n = 3 + random_below(&r, 4);
+    double s = n * 0.5, thickness = s * random_in(&r, 0.1, round % 2 ? 0.6 : 2), radius = s * random_in(&r, 5, 9), side = 0.5 * s;
+    double steep = random_in(&r, 0, 1.5), along[2] = {random_in(&r, -1, 1), random_in(&r, -1, 1)}, bend = random_in(&r, 4, 10) * s;
+    float heights[SIDE * SIDE];
+    for (int i = 0; i < SIDE * SIDE; ++i) {
+      double x = (i % SIDE - SIDE / 2) * side, z = (i / SIDE - SIDE / 2) * side; /* NOLINT(bugprone-integer-division) */
+      heights[i] = (float)(steep * (along[0] * x + along[1] * z) + steep * bend * 0.2 * sin(x / bend * 2) * cos(z / bend * 2));
+    }
+    static const uint32_t shell[] = {1, 2};
+    scree_shape shapes[3] = {{.kind = SCREE_SHAPE_DIFFERENCE, .group = {shell, 2, 0}},
+                             {.kind = SCREE_SHAPE_SPHERE, .sphere = {(float)(radius + thickness * 0.5)}},
+                             {.kind = SCREE_SHAPE_SPHERE, .sphere = {(float)(radius - thickness * 0.5)}}};
+    uint32_t shape_count = 3, kind = (uint32_t)round % 3;
+    double turned[3][3];
+    if (kind == 1) {
+      shape_count = 1;
+      shapes[0] =
+          (scree_shape){.kind = SCREE_SHAPE_HEIGHTFIELD,
+                        .heightfield = {heights, SIDE, SIDE, (float)side, (float)thickness * 0.5f, (float)thickness * 0.5f}};
+    }
+    if (kind == 2) {
+      shape_count = 1;
+      shapes[0] = (scree_shape){.kind = SCREE_SHAPE_BOX, .box = {{(float)(6 * s), (float)(thickness * 0.5), (float)(6 * s)}, 0}};
+      random_rotation(&r, shapes[0].transform.rotation);
+      double q[4];
+      for (int i = 0; i < 4; ++i) q[i] = (double)shapes[0].transform.rotation[i];
+      for (int i = 0; i < 3; ++i) { /* columns: where the box's axes point */
+        int j = (i + 1) % 3, k = (i + 2) % 3;
+        turned[i][i] = 1 - 2 * (q[j] * q[j] + q[k] * q[k]);
+        turned[j][i] = 2 * (q[i] * q[j] + q[3] * q[k]);
+        turned[k][i] = 2 * (q[i] * q[k] - q[3] * q[j]);
+      }
+    }
+    far_layer l;
+    make_far_layer(&l, &r, n, shapes, shape_count);
+    const scree_rock* parts;
+    uint64_t count;
+    const double origin[3] = {0, 0, 0};
+    assert_int_equal(scree_rt_scene_far(l.scene, 0, 0, FAR_LOW, FAR_HIGH, origin, scratch, &parts, &count), SCREE_OK);
+    double worst = 0;
+    for (int p = 0; p < POINTS; ++p) {
+      double at[3], u = random_in(&r, -5, 5) * s, v = random_in(&r, -5, 5) * s;
+      if (kind == 1) { /* at the samples, where no bilinear patch is to be followed */
+        uint32_t i = random_below(&r, SIDE * SIDE);
+        at[0] = ((int)(i % SIDE) - SIDE / 2) * side;
+        at[1] = (double)heights[i];
+        at[2] = ((int)(i / SIDE) - SIDE / 2) * side;
+        if (fabs(at[1]) > 7 * n || fabs(at[0]) > 6 * s || fabs(at[2]) > 6 * s) continue;
+      } else if (kind == 2) {
+        for (int a = 0; a < 3; ++a) at[a] = turned[a][0] * u + turned[a][2] * v;
+      } else {
+        double length2 = 0;
+        for (int a = 0; a < 3; ++a) {
+          at[a] = random_in(&r, -1, 1);
+          length2 += at[a] * at[a];
+        }
+        for (int a = 0; a < 3; ++a) at[a] *= radius / sqrt(length2 + 1e-9);
+      }
+      double nearest = INFINITY;
+      for (uint64_t i = 0; i < count; ++i) {
+        double low[3], high[3], d2 = 0;
+        proxy_box(&l, &parts[i], low, high);
+        for (int a = 0; a < 3; ++a) {
+          double d = fmax(fmax(low[a] - at[a], at[a] - high[a]), 0);
+          d2 += d * d;
+        }
+        nearest = fmin(nearest, d2);
+      }
+      worst = fmax(worst, sqrt(nearest) / s);
+    }
+    assert_true(worst < 0.45); /* of a part */
+    free_far_layer(&l);
+  }
+  scree_scratch_destroy(scratch);
+}
+
+static void far_field_of_a_thick_support_lies_inside(void** state) {
+  (void)state;
+  random_stream r = {78};
+  scree_scratch* scratch = make_scratch();
+  uint64_t all = 0, outside = 0;
+  for (int round = 0; round < 30; ++round) {
+    uint32_t n = 3 + random_below(&r, 4);
+    float s = (float)n * 0.5f;
+    scree_shape shapes[2] = {{.kind = SCREE_SHAPE_NOISE, .noise = {1, 0.5f * s, 8 * s, 1, 1}}};
+    scree_shape* shape = &shapes[round % 2];
+    *shape = round % 4 < 2 ? (scree_shape){.kind = SCREE_SHAPE_BOX, .box = {{5 * s, 4 * s, 6 * s}, 0}}
+                           : (scree_shape){.kind = SCREE_SHAPE_SPHERE, .sphere = {6 * s}};
+    if (round % 2) shapes[0] = (scree_shape){.kind = SCREE_SHAPE_NOISE, .noise = {1, 0.5f * s, 8 * s, 1, 1}};
+    random_rotation(&r, shape->transform.rotation);
+    far_layer l;
+    make_far_layer(&l, &r, n, shapes, 1 + (uint32_t)round % 2);
+    const scree_rock* parts;
+    uint64_t count;
+    const double origin[3] = {0, 0, 0};
+    assert_int_equal(scree_rt_scene_far(l.scene, 0, 0, FAR_LOW, FAR_HIGH, origin, scratch, &parts, &count), SCREE_OK);
+    for (uint64_t i = 0; i < count; ++i) {
+      double low[3], high[3];
+      float at[3], d;
+      proxy_box(&l, &parts[i], low, high);
+      for (int a = 0; a < 3; ++a) at[a] = (float)((low[a] + high[a]) * 0.5);
+      scree_support_distance(l.support, &at[0], &at[1], &at[2], &d, 1);
+      ++all;
+      outside += parts[i].id.local > 0 && d > 1e-3f;
+    }
+    free_far_layer(&l);
+  }
+  assert_true(all > 10000 && outside * 100 < all);
   scree_scratch_destroy(scratch);
 }
 
@@ -414,6 +615,8 @@ int main(void) {
       cmocka_unit_test(origin_decides_positions_and_nothing_else),
       cmocka_unit_test(rock_is_found_by_its_id_with_why_it_is_there_or_not),
       cmocka_unit_test(far_field_equals_its_plain_twin),
+      cmocka_unit_test(far_field_of_a_thin_layer_has_no_holes),
+      cmocka_unit_test(far_field_of_a_thick_support_lies_inside),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
