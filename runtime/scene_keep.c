@@ -1,12 +1,13 @@
 /* The rule of overlaps: a rock is dropped if its hull meets the hull of a kept rock of an earlier layer.
  *
- * Kept rocks lie in buckets by the bricks of space that hold their centroids, one set of buckets for each layer, with bricks as
- * wide as the layer's largest rock. Two balls round the centroids tell most pairs apart; hulls decide the rest. All places are
- * relative to the scene's base and computed from the integers of cells, so that a pair is judged alike in every question. */
+ * Where few rocks are asked about many, a map tells those that are far from all. For the others, the kept rocks lie sorted by cells
+ * of space, layer by layer. Two balls round the centroids tell most pairs apart; hulls decide the rest. All places are relative to
+ * the scene's base and computed from the integers of cells, so that a pair is judged alike in every question. */
 #include <math.h>
 #include <string.h>
 
 #include "convex.h"
+#include "near_map.h"
 #include "scene_layers.h"
 
 /* A kept rock that later layers may meet. */
@@ -14,7 +15,7 @@ typedef struct kept_rock {
   double centroid[3], home[3]; /* relative to the scene's base */
   double radius;               /* of the ball round the centroid that holds it */
   uint32_t asset;
-  uint32_t bucket;
+  uint32_t cell; /* of those of its layer */
 } kept_rock;
 
 static kept_rock place_rock(const scene_layer* layer, const scree_id* id, uint32_t asset) {
@@ -27,7 +28,7 @@ static kept_rock place_rock(const scene_layer* layer, const scree_id* id, uint32
   for (int i = 0; i < 3; ++i) rock.centroid[i] = rock.home[i] + (double)a->centroid[i] * field->cell_size;
   rock.radius = (double)a->outer_radius * field->cell_size;
   rock.asset = asset;
-  rock.bucket = 0;
+  rock.cell = 0;
   return rock;
 }
 
@@ -41,57 +42,73 @@ static bool ball_meets_box(const double centre[3], double radius, const double l
   return away2 <= radius * radius;
 }
 
-/* Brick of a place along one axis. Beyond what an int64 holds all places share a brick, which costs time and nothing else. */
-static int64_t brick_of(double place, double brick) {
-  double at = floor(place / brick);
-  return at > 9e18 ? (int64_t)9e18 : at < -9e18 ? (int64_t)-9e18 : (int64_t)at;
+/* Cells of space that hold the centroids of a layer's kept rocks. Places are told relative to their lowest corner, so that what
+ * rounding does is small against them. */
+static void shape_cells(layer_rocks* rocks, double step, const double low[3], const double high[3]) {
+  const double most = 64 + 4 * (double)rocks->kept_count;
+  for (step = fmax(step, 1e-30);; step *= 1.25) { /* 1e-30: nothing else would make 0 wider */
+    double cells = 1;
+    for (int a = 0; a < 3; ++a) cells *= floor((high[a] - low[a]) / step) + 1;
+    if (cells <= most) break;
+  }
+  rocks->cell_step = step;
+  for (int a = 0; a < 3; ++a) {
+    rocks->cell_low[a] = low[a];
+    rocks->cell_count[a] = (uint32_t)((high[a] - low[a]) / step) + 1;
+  }
 }
 
-static uint32_t bucket_of(const int64_t brick[3], uint32_t mask) {
-  uint64_t hash = (uint64_t)brick[0] * UINT64_C(0x9e3779b97f4a7c15) ^ (uint64_t)brick[1] * UINT64_C(0xc2b2ae3d27d4eb4f) ^
-                  (uint64_t)brick[2] * UINT64_C(0x165667b19e3779f9);
-  return (uint32_t)((hash * UINT64_C(0x9fb21c651e98df25)) >> 40) & mask;
+/* The cell along an axis of a place relative to cell_low; places beside all cells count to the outermost ones. */
+static uint32_t cell_along(const layer_rocks* rocks, int axis, double at) {
+  const double cell = at / rocks->cell_step, last = (double)(rocks->cell_count[axis] - 1);
+  return (uint32_t)(cell > 0 ? (cell < last ? cell : last) : 0);
 }
 
-/* Puts the kept rocks of a layer into buckets, as far as later layers can meet them: bucket b has the rocks starts[b] ..
- * starts[b + 1] - 1 of those from kept_first on. */
-static scree_result fill_buckets(scene_question* q, uint32_t index) {
+/* Sorts the kept rocks of a layer by cells, as far as later layers can meet them: cell c, x fastest, has the rocks starts[c] ..
+ * starts[c + 1] - 1 of those from kept_first on. */
+static scree_result fill_cells(scene_question* q, uint32_t index) {
   const scene_layer* layer = &q->scene->layers[index];
   layer_rocks* rocks = &q->layers[index];
-  /* First all rocks behind one another, then sorted by bucket into the second half. */
+  /* First all rocks behind one another, then sorted by cell into the first half. */
   kept_rock* kept =
-      scree_rt_scratch_extend(q->scratch, SCRATCH_BUCKET_ROCKS, q->kept_count, q->kept_count + 2 * rocks->count, sizeof *kept);
+      scree_rt_scratch_extend(q->scratch, SCRATCH_KEPT, q->kept_count, q->kept_count + 2 * rocks->count, sizeof *kept);
   if (kept == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
-  kept_rock* unsorted = kept + q->kept_count + rocks->count;
+  kept += q->kept_count;
+  kept_rock* unsorted = kept + rocks->count;
+  double low[3] = {0, 0, 0}, high[3] = {0, 0, 0};
   uint32_t count = 0;
   for (uint64_t i = rocks->first; i < rocks->first + rocks->count; ++i) {
-    kept_rock rock = place_rock(layer, &q->ids[i], q->instances[i].asset);
-    if (ball_meets_box(rock.centroid, rock.radius, rocks->region_low, rocks->region_high)) unsorted[count++] = rock;
+    const kept_rock rock = place_rock(layer, &q->ids[i], q->instances[i].asset);
+    if (!ball_meets_box(rock.centroid, rock.radius, rocks->region_low, rocks->region_high)) continue;
+    for (int a = 0; a < 3; ++a) {
+      low[a] = count == 0 || rock.centroid[a] < low[a] ? rock.centroid[a] : low[a];
+      high[a] = count == 0 || rock.centroid[a] > high[a] ? rock.centroid[a] : high[a];
+    }
+    unsorted[count++] = rock;
   }
-  uint32_t size = 16;
-  while (size < 2 * count) size *= 2;
-  uint32_t* starts =
-      scree_rt_scratch_extend(q->scratch, SCRATCH_BUCKETS, q->bucket_count, q->bucket_count + size + 1, sizeof *starts);
-  if (starts == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
-  rocks->bucket_first = (uint32_t)q->bucket_count;
-  rocks->bucket_mask = size - 1;
   rocks->kept_first = q->kept_count;
   rocks->kept_count = count;
-  rocks->brick = 2 * layer->rock_radius;
-  starts += q->bucket_count;
-  memset(starts, 0, (size + 1) * sizeof *starts);
+  shape_cells(rocks, layer->rock_radius, low, high);
+  const uint32_t* sizes = rocks->cell_count;
+  const uint32_t cells = sizes[0] * sizes[1] * sizes[2];
+  uint32_t* starts =
+      scree_rt_scratch_extend(q->scratch, SCRATCH_KEPT_STARTS, q->start_count, q->start_count + cells + 1, sizeof *starts);
+  if (starts == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
+  rocks->start_first = q->start_count;
+  starts += q->start_count;
+  memset(starts, 0, (cells + 1) * sizeof *starts);
   for (uint32_t i = 0; i < count; ++i) {
-    int64_t brick[3];
-    for (int a = 0; a < 3; ++a) brick[a] = brick_of(unsorted[i].centroid[a], rocks->brick);
-    unsorted[i].bucket = bucket_of(brick, rocks->bucket_mask);
-    ++starts[unsorted[i].bucket];
+    uint32_t at[3];
+    for (int a = 0; a < 3; ++a) at[a] = cell_along(rocks, a, unsorted[i].centroid[a] - low[a]);
+    unsorted[i].cell = (at[2] * sizes[1] + at[1]) * sizes[0] + at[0];
+    ++starts[unsorted[i].cell];
   }
-  for (uint32_t b = 0, sum = 0; b <= size; ++b) { /* ends; the next pass counts them down to the starts */
-    sum += starts[b];
-    starts[b] = sum;
+  for (uint32_t c = 0, sum = 0; c <= cells; ++c) { /* ends; the next pass counts them down to the starts */
+    sum += starts[c];
+    starts[c] = sum;
   }
-  for (uint32_t i = count; i-- > 0;) kept[q->kept_count + --starts[unsorted[i].bucket]] = unsorted[i];
-  q->bucket_count += size + 1;
+  for (uint32_t i = count; i-- > 0;) kept[--starts[unsorted[i].cell]] = unsorted[i];
+  q->start_count += cells + 1;
   q->kept_count += count;
   return SCREE_OK;
 }
@@ -155,7 +172,7 @@ static bool settle(open_pairs* open, seeker* s, const scene_layer* other) {
   return met;
 }
 
-/* Looks at `count` rocks of a bucket; true when one of them is known to meet. */
+/* Looks at `count` rocks; true when one of them is known to meet. */
 static bool look_at(open_pairs* open, seeker* s, const scene_layer* other, const kept_rock* rocks, uint32_t count) {
   for (uint32_t i = 0; i < count; ++i) {
     double depth;
@@ -170,56 +187,104 @@ static bool look_at(open_pairs* open, seeker* s, const scene_layer* other, const
   return false;
 }
 
+/* How far a place relative to cell_low is from cell i along an axis. */
+static double away_from_cell(const layer_rocks* rocks, uint32_t i, double at) {
+  const double low = rocks->cell_step * i, high = low + rocks->cell_step;
+  return at < low ? low - at : at > high ? at - high : 0;
+}
+
 static bool meets_layer(const scene_question* q, seeker* s, uint32_t index) {
   const scene_layer* layer = &q->scene->layers[index];
   const layer_rocks* rocks = &q->layers[index];
-  const kept_rock* kept = (const kept_rock*)q->scratch->buffers[SCRATCH_BUCKET_ROCKS].memory + rocks->kept_first;
-  const uint32_t* starts = (const uint32_t*)q->scratch->buffers[SCRATCH_BUCKETS].memory + rocks->bucket_first;
-  double reach = s->rock.radius + layer->rock_radius, bricks = 1;
-  int64_t low[3], high[3], at[3];
+  const kept_rock* kept = (const kept_rock*)q->scratch->buffers[SCRATCH_KEPT].memory + rocks->kept_first;
+  const uint32_t* starts = (const uint32_t*)q->scratch->buffers[SCRATCH_KEPT_STARTS].memory + rocks->start_first;
+  double at[3], reach = (s->rock.radius + layer->rock_radius) * 1.000001;
+  for (int a = 0; a < 3; ++a) {
+    at[a] = s->rock.centroid[a] - rocks->cell_low[a];
+    reach += rocks->cell_step * rocks->cell_count[a] * 1e-12;
+  }
+  uint32_t low[3], high[3];
+  for (int a = 0; a < 3; ++a) {
+    low[a] = cell_along(rocks, a, at[a] - reach);
+    high[a] = cell_along(rocks, a, at[a] + reach);
+  }
   open_pairs open;
   open.count = 0;
-  for (int a = 0; a < 3; ++a) {
-    low[a] = brick_of(s->rock.centroid[a] - reach, rocks->brick);
-    high[a] = brick_of(s->rock.centroid[a] + reach, rocks->brick);
-    bricks *= (double)(high[a] - low[a]) + 1;
+  for (uint32_t z = low[2]; z <= high[2]; ++z) {
+    const double away_z = away_from_cell(rocks, z, at[2]);
+    for (uint32_t y = low[1]; y <= high[1]; ++y) {
+      const double away_y = away_from_cell(rocks, y, at[1]), left2 = reach * reach - away_z * away_z - away_y * away_y;
+      if (left2 < 0) continue;
+      const double half = sqrt(left2);
+      const uint32_t* row = starts + (size_t)(z * rocks->cell_count[1] + y) * rocks->cell_count[0];
+      const uint32_t from = row[cell_along(rocks, 0, at[0] - half)], end = row[cell_along(rocks, 0, at[0] + half) + 1];
+      if (look_at(&open, s, layer, kept + from, end - from)) return true;
+    }
   }
-  if (bricks > (double)rocks->kept_count) /* a giant among pebbles, or few pebbles */
-    return look_at(&open, s, layer, kept, rocks->kept_count) || settle(&open, s, layer);
-  for (at[2] = low[2]; at[2] <= high[2]; ++at[2])
-    for (at[1] = low[1]; at[1] <= high[1]; ++at[1])
-      for (at[0] = low[0]; at[0] <= high[0]; ++at[0]) {
-        uint32_t bucket = bucket_of(at, rocks->bucket_mask);
-        if (look_at(&open, s, layer, kept + starts[bucket], starts[bucket + 1] - starts[bucket])) return true;
-      }
   return settle(&open, s, layer);
 }
 
+/* A map of where rocks of the layer `index` could stand that reach one of the earlier layers with a bit in `others`. Where there
+ * are as many of theirs it would not pay: then `bits` is NULL. Returns false when memory is short. */
+static bool map_others(scene_question* q, uint32_t index, uint64_t others, near_map* map) {
+  const scene_layer* layer = &q->scene->layers[index];
+  const layer_rocks* rocks = &q->layers[index];
+  double reach = INFINITY, kept = 0, origin[3];
+  for (uint64_t rest = others; rest != 0; rest &= rest - 1) {
+    const uint32_t j = (uint32_t)__builtin_ctzll(rest);
+    reach = fmin(reach, layer->reach + q->scene->layers[j].rock_radius);
+    kept += q->layers[j].kept_count;
+  }
+  map->bits = NULL;
+  if (kept > 2 * (double)rocks->count) return true;
+  if (4 * kept < (double)rocks->count) reach *= 0.5; /* then finer cells pay, too */
+  for (int a = 0; a < 3; ++a) origin[a] = q->origin[a] - q->scene->base[a];
+  if (!scree_rt_near_map_begin(map, q->scratch, rocks->tight_low, rocks->tight_high, origin, reach,
+                               512 + 16 * ((double)rocks->count + kept)))
+    return false;
+  const kept_rock* all = q->scratch->buffers[SCRATCH_KEPT].memory;
+  for (uint64_t rest = others; rest != 0; rest &= rest - 1) {
+    const layer_rocks* theirs = &q->layers[__builtin_ctzll(rest)];
+    for (const kept_rock* rock = all + theirs->kept_first; rock < all + theirs->kept_first + theirs->kept_count; ++rock)
+      if (ball_meets_box(rock->centroid, rock->radius, rocks->tight_low, rocks->tight_high))
+        scree_rt_near_map_add(map, rock->centroid, rock->radius + layer->reach);
+  }
+  return true;
+}
+
 /* Moves out the rocks of a layer that meet one of the earlier layers with a bit in `others`. */
-static void drop(scene_question* q, uint32_t index, uint64_t others) {
+static scree_result drop(scene_question* q, uint32_t index, uint64_t others) {
   layer_rocks* rocks = &q->layers[index];
+  near_map map;
+  if (!map_others(q, index, others, &map)) return SCREE_ERROR_OUT_OF_MEMORY;
   seeker s;
   s.layer = &q->scene->layers[index];
   uint64_t end = rocks->first + rocks->count, kept = rocks->first;
   for (uint64_t i = rocks->first; i < end; ++i) {
-    s.rock = place_rock(s.layer, &q->ids[i], q->instances[i].asset);
-    s.hull.made = false;
     bool meets_one = false;
-    for (uint64_t rest = others; rest != 0 && !meets_one; rest &= rest - 1) {
-      uint32_t other = (uint32_t)__builtin_ctzll(rest);
-      const layer_rocks* theirs = &q->layers[other];
-      if (ball_meets_box(s.rock.centroid, s.rock.radius, theirs->tight_low, theirs->tight_high))
-        meets_one = meets_layer(q, &s, other);
+    if (map.bits == NULL || near_map_has(&map, q->instances[i].position)) {
+      s.rock = place_rock(s.layer, &q->ids[i], q->instances[i].asset);
+      s.hull.made = false;
+      for (uint64_t rest = others; rest != 0 && !meets_one; rest &= rest - 1) {
+        uint32_t other = (uint32_t)__builtin_ctzll(rest);
+        const layer_rocks* theirs = &q->layers[other];
+        if (ball_meets_box(s.rock.centroid, s.rock.radius, theirs->tight_low, theirs->tight_high))
+          meets_one = meets_layer(q, &s, other);
+      }
     }
     if (meets_one) continue;
-    q->ids[kept] = q->ids[i];
-    q->instances[kept++] = q->instances[i];
+    if (kept < i) {
+      q->ids[kept] = q->ids[i];
+      q->instances[kept] = q->instances[i];
+    }
+    ++kept;
   }
   rocks->count = kept - rocks->first;
+  return SCREE_OK;
 }
 
 scree_result scree_rt_scene_keep(scene_question* q) {
-  q->bucket_count = q->kept_count = 0;
+  q->start_count = q->kept_count = 0;
   uint64_t filled = 0;
   for (uint32_t k = 0; k < q->scene->layer_count; ++k) {
     layer_rocks* rocks = &q->layers[k];
@@ -232,11 +297,10 @@ scree_result scree_rt_scene_keep(scene_question* q) {
         apart = apart || q->layers[j].tight_low[a] > rocks->tight_high[a] || q->layers[j].tight_high[a] < rocks->tight_low[a];
       if (!apart) others |= UINT64_C(1) << j;
     }
-    if (others != 0) drop(q, k, others);
-    if (!rocks->wanted) continue;
-    scree_result result = fill_buckets(q, k);
+    scree_result result = others != 0 ? drop(q, k, others) : SCREE_OK;
+    if (result == SCREE_OK && rocks->wanted) result = fill_cells(q, k);
     if (result != SCREE_OK) return result;
-    filled |= UINT64_C(1) << k;
+    if (rocks->wanted) filled |= UINT64_C(1) << k;
   }
   return SCREE_OK;
 }

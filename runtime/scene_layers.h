@@ -57,10 +57,9 @@ typedef struct layer_rocks {
   double tight_low[3], tight_high[3];   /* box of the balls round its rocks, relative to the scene's base */
   double region_low[3], region_high[3]; /* union of the tight boxes of later layers that need it */
   bool wanted;                          /* by a later layer */
-  uint32_t bucket_first, bucket_mask;   /* where later layers look it up; see scene_keep.c */
-  uint64_t kept_first;
-  uint32_t kept_count;
-  double brick;
+  uint64_t kept_first, start_first;     /* where later layers look it up, cell by cell; see scene_keep.c */
+  uint32_t kept_count, cell_count[3];
+  double cell_low[3], cell_step;
 } layer_rocks;
 
 /* One question on its way: which rocks of which layers exist, edits apart. */
@@ -75,7 +74,7 @@ typedef struct scene_question {
   scree_instance* instances; /* of all layers, in the scratch; rocks that are left out are moved out */
   scree_id* ids;
   uint64_t count;
-  uint64_t bucket_count, kept_count;
+  uint64_t start_count, kept_count;
   cell_grid grid; /* of the layer that is asked for, where burial is looked at */
 } scene_question;
 
