@@ -29,6 +29,9 @@ typedef struct convex_hull {
 
 /* Whether two hulls have a point in common. Stops at the first direction that separates them. */
 bool scree_rt_convex_meet(const convex_hull* a, const convex_hull* b);
+#ifdef SCREE_WIDE_KERNELS
+bool scree_rt_convex_meet_avx2(const convex_hull* a, const convex_hull* b); /* the same, for machines that have AVX2 */
+#endif
 
 /* The distance of two hulls, 0 where they meet. Right to about 1e-9 of the pair's size. */
 double scree_rt_convex_distance(const convex_hull* a, const convex_hull* b);

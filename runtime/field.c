@@ -279,26 +279,6 @@ void scree_field_destroy(scree_field* field) {
   scree_rt_release(&allocator, field, 1, sizeof *field);
 }
 
-uint32_t scree_rt_field_hull(const scree_field* field, uint32_t asset, float* x, float* y, float* z) {
-  int16_t copy[FIELD_MAX_HULL][3];
-  const int16_t* from = copy[0];
-  uint32_t count = 0;
-  if (field->pack != NULL) {
-    /* Cannot fail: scree_field_create has looked at every hull. */
-    if (scree_pack_get_hull(field->pack, asset, copy[0], FIELD_MAX_HULL, &count) != SCREE_OK) return 0;
-  } else if (field->hull_first != NULL) {
-    from = field->hulls + (size_t)3 * field->hull_first[asset];
-    count = field->hull_first[asset + 1] - field->hull_first[asset];
-    if (count > FIELD_MAX_HULL) count = FIELD_MAX_HULL;
-  }
-  for (uint32_t i = 0; i < count; ++i) {
-    x[i] = from[3 * i];
-    y[i] = from[3 * i + 1];
-    z[i] = from[3 * i + 2];
-  }
-  return count;
-}
-
 uint32_t scree_rt_field_slot(const scree_field* field, uint32_t code, uint32_t local) {
   const field_tile* tile = &field->tiles[code];
   tile_slots slots = field_slots(field, tile);

@@ -21,11 +21,10 @@ bool scree_rt_near_map_begin(near_map* map, scree_scratch* scratch, const double
   map->step = step;
   map->inverse = (float)(1 / step);
   map->slack = step * 1e-3 + far * 2e-6;
-  map->row = (uint32_t)(map->size[0] + 63) / 64;
-  const size_t words = (size_t)map->row * (size_t)map->size[1] * (size_t)map->size[2];
-  map->bits = scree_rt_scratch_reserve(scratch, SCRATCH_NEAR, words, sizeof *map->bits);
-  if (map->bits == NULL) return false;
-  memset(map->bits, 0, words * sizeof *map->bits);
+  const size_t cells = (size_t)map->size[0] * (size_t)map->size[1] * (size_t)map->size[2];
+  map->kinds = scree_rt_scratch_reserve(scratch, SCRATCH_NEAR, cells, 1);
+  if (map->kinds == NULL) return false;
+  memset(map->kinds, 0, cells);
   return true;
 }
 
@@ -44,7 +43,7 @@ static double away_from(const near_map* map, int axis, int32_t i, double at) {
   return at < low ? low - at : at > high ? at - high : 0;
 }
 
-void scree_rt_near_map_add(near_map* map, const double centre[3], double radius) {
+void scree_rt_near_map_add(near_map* map, const double centre[3], double radius, uint8_t kind) {
   const double reach = radius + map->slack, reach2 = reach * reach;
   int32_t from[3], to[3];
   for (int a = 0; a < 3; ++a) find_cells(map, a, centre[a] - reach, centre[a] + reach, &from[a], &to[a]);
@@ -56,13 +55,8 @@ void scree_rt_near_map_add(near_map* map, const double centre[3], double radius)
       const double half = sqrt(left2);
       int32_t first, end;
       find_cells(map, 0, centre[0] - half, centre[0] + half, &first, &end);
-      uint64_t* row = map->bits + (size_t)(z * map->size[1] + y) * map->row;
-      for (int32_t word = first >> 6; word <= (end - 1) >> 6; ++word) {
-        uint64_t mask = UINT64_MAX;
-        if (word == first >> 6) mask &= UINT64_MAX << (first & 63);
-        if (word == (end - 1) >> 6) mask &= UINT64_MAX >> (63 - ((end - 1) & 63));
-        row[word] |= mask;
-      }
+      uint8_t* row = map->kinds + (z * map->size[1] + y) * map->size[0];
+      for (int32_t x = first; x < end; ++x) row[x] |= kind;
     }
   }
 }

@@ -52,16 +52,19 @@ static void shape_cells(layer_rocks* rocks, double step, const double low[3], co
     if (cells <= most) break;
   }
   rocks->cell_step = step;
+  rocks->cell_inverse = 1 / step;
+  rocks->cell_slack = 0;
   for (int a = 0; a < 3; ++a) {
     rocks->cell_low[a] = low[a];
+    rocks->cell_slack += (high[a] - low[a] + step) * 1e-12; /* of rounding */
     rocks->cell_count[a] = (uint32_t)((high[a] - low[a]) / step) + 1;
   }
 }
 
 /* The cell along an axis of a place relative to cell_low; places beside all cells count to the outermost ones. */
 static uint32_t cell_along(const layer_rocks* rocks, int axis, double at) {
-  const double cell = at / rocks->cell_step, last = (double)(rocks->cell_count[axis] - 1);
-  return (uint32_t)(cell > 0 ? (cell < last ? cell : last) : 0);
+  const double cell = at * rocks->cell_inverse, last = (double)(rocks->cell_count[axis] - 1);
+  return (uint32_t)(int32_t)(cell > 0 ? (cell < last ? cell : last) : 0);
 }
 
 /* Sorts the kept rocks of a layer by cells, as far as later layers can meet them: cell c, x fastest, has the rocks starts[c] ..
@@ -128,11 +131,16 @@ static void make_hull(hull_copy* copy, const scene_layer* layer, uint32_t asset)
   copy->made = true;
 }
 
+enum { HULLS_AT_HAND = 8 };
+
 /* A rock of a later layer that looks for one that it meets. */
 typedef struct seeker {
   const scene_layer* layer;
   kept_rock rock;
   hull_copy hull;
+  hull_copy others[HULLS_AT_HAND]; /* of rocks that were asked lately; neighbours often ask the same ones */
+  const scene_layer* other_layers[HULLS_AT_HAND];
+  uint32_t other_assets[HULLS_AT_HAND];
 } seeker;
 
 /* Whether the balls of a pair leave it open, and how deep they are in one another: less is deeper. */
@@ -148,14 +156,22 @@ static bool balls_meet(const seeker* s, const kept_rock* rock, double* depth) {
 
 static bool hulls_meet(seeker* s, const scene_layer* other, const kept_rock* rock) {
   if (!s->hull.made) make_hull(&s->hull, s->layer, s->rock.asset);
-  hull_copy theirs;
-  make_hull(&theirs, other, rock->asset);
-  if (s->hull.hull.count == 0 || theirs.hull.count == 0) return false;
-  for (int a = 0; a < 3; ++a) theirs.hull.at[a] = rock->home[a] - s->rock.home[a];
-  return scree_rt_convex_meet(&s->hull.hull, &theirs.hull);
+  const uint32_t place = rock->asset % HULLS_AT_HAND;
+  hull_copy* theirs = &s->others[place];
+  if (s->other_layers[place] != other || s->other_assets[place] != rock->asset) {
+    make_hull(theirs, other, rock->asset);
+    s->other_layers[place] = other;
+    s->other_assets[place] = rock->asset;
+  }
+  if (s->hull.hull.count == 0 || theirs->hull.count == 0) return false;
+  for (int a = 0; a < 3; ++a) theirs->hull.at[a] = rock->home[a] - s->rock.home[a];
+  return scree_rt_convex_meet(&s->hull.hull, &theirs->hull);
 }
 
-enum { MOST_OPEN = 32 };
+enum {
+  MOST_OPEN = 32,
+  FEW_ROCKS = 12 /* so few are looked at one by one */
+};
 
 /* Rocks whose balls meet the seeker's. The deepest is asked first, because one that meets is enough. */
 typedef struct open_pairs {
@@ -198,18 +214,17 @@ static bool meets_layer(const scene_question* q, seeker* s, uint32_t index) {
   const layer_rocks* rocks = &q->layers[index];
   const kept_rock* kept = (const kept_rock*)q->scratch->buffers[SCRATCH_KEPT].memory + rocks->kept_first;
   const uint32_t* starts = (const uint32_t*)q->scratch->buffers[SCRATCH_KEPT_STARTS].memory + rocks->start_first;
-  double at[3], reach = (s->rock.radius + layer->rock_radius) * 1.000001;
-  for (int a = 0; a < 3; ++a) {
-    at[a] = s->rock.centroid[a] - rocks->cell_low[a];
-    reach += rocks->cell_step * rocks->cell_count[a] * 1e-12;
-  }
+  open_pairs open;
+  open.count = 0;
+  if (rocks->kept_count <= FEW_ROCKS) return look_at(&open, s, layer, kept, rocks->kept_count) || settle(&open, s, layer);
+  const double reach = (s->rock.radius + layer->rock_radius) * 1.000001 + rocks->cell_slack;
+  double at[3];
   uint32_t low[3], high[3];
   for (int a = 0; a < 3; ++a) {
+    at[a] = s->rock.centroid[a] - rocks->cell_low[a];
     low[a] = cell_along(rocks, a, at[a] - reach);
     high[a] = cell_along(rocks, a, at[a] + reach);
   }
-  open_pairs open;
-  open.count = 0;
   for (uint32_t z = low[2]; z <= high[2]; ++z) {
     const double away_z = away_from_cell(rocks, z, at[2]);
     for (uint32_t y = low[1]; y <= high[1]; ++y) {
@@ -224,55 +239,71 @@ static bool meets_layer(const scene_question* q, seeker* s, uint32_t index) {
   return settle(&open, s, layer);
 }
 
-/* A map of where rocks of the layer `index` could stand that reach one of the earlier layers with a bit in `others`. Where there
- * are as many of theirs it would not pay: then `bits` is NULL. Returns false when memory is short. */
-static bool map_others(scene_question* q, uint32_t index, uint64_t others, near_map* map) {
+/* The earlier layers that a layer may meet, and where. */
+typedef struct other_layers {
+  uint32_t layers[SCENE_MAX_LAYERS], count;
+  bool mapped;
+  near_map map; /* kinds: the first seven layers, and all others together */
+} other_layers;
+
+static uint8_t kind_of(uint32_t other) {
+  return (uint8_t)(1u << (other < 7 ? other : 7));
+}
+
+/* Maps where rocks of the layer `index` could stand that reach the others. Where there are as many of theirs it would not pay.
+ * Returns false when memory is short. */
+static bool map_others(scene_question* q, uint32_t index, other_layers* others) {
   const scene_layer* layer = &q->scene->layers[index];
   const layer_rocks* rocks = &q->layers[index];
   double reach = INFINITY, kept = 0, origin[3];
-  for (uint64_t rest = others; rest != 0; rest &= rest - 1) {
-    const uint32_t j = (uint32_t)__builtin_ctzll(rest);
-    reach = fmin(reach, layer->reach + q->scene->layers[j].rock_radius);
-    kept += q->layers[j].kept_count;
+  for (uint32_t i = 0; i < others->count; ++i) {
+    reach = fmin(reach, layer->reach + q->scene->layers[others->layers[i]].rock_radius);
+    kept += q->layers[others->layers[i]].kept_count;
   }
-  map->bits = NULL;
-  if (kept > 2 * (double)rocks->count) return true;
-  if (4 * kept < (double)rocks->count) reach *= 0.5; /* then finer cells pay, too */
+  others->mapped = kept <= 2 * (double)rocks->count;
+  if (!others->mapped) return true;
+  for (double many = 4; many <= 64 && many * kept < (double)rocks->count; many *= 4) reach *= 0.5; /* finer cells pay, too */
   for (int a = 0; a < 3; ++a) origin[a] = q->origin[a] - q->scene->base[a];
-  if (!scree_rt_near_map_begin(map, q->scratch, rocks->tight_low, rocks->tight_high, origin, reach,
-                               512 + 16 * ((double)rocks->count + kept)))
+  if (!scree_rt_near_map_begin(&others->map, q->scratch, rocks->tight_low, rocks->tight_high, origin, reach,
+                               512 + 8 * ((double)rocks->count + kept)))
     return false;
   const kept_rock* all = q->scratch->buffers[SCRATCH_KEPT].memory;
-  for (uint64_t rest = others; rest != 0; rest &= rest - 1) {
-    const layer_rocks* theirs = &q->layers[__builtin_ctzll(rest)];
+  for (uint32_t i = 0; i < others->count; ++i) {
+    const layer_rocks* theirs = &q->layers[others->layers[i]];
     for (const kept_rock* rock = all + theirs->kept_first; rock < all + theirs->kept_first + theirs->kept_count; ++rock)
       if (ball_meets_box(rock->centroid, rock->radius, rocks->tight_low, rocks->tight_high))
-        scree_rt_near_map_add(map, rock->centroid, rock->radius + layer->reach);
+        scree_rt_near_map_add(&others->map, rock->centroid, rock->radius + layer->reach, kind_of(i));
   }
   return true;
 }
 
-/* Moves out the rocks of a layer that meet one of the earlier layers with a bit in `others`. */
-static scree_result drop(scene_question* q, uint32_t index, uint64_t others) {
+static bool meets_others(const scene_question* q, seeker* s, const other_layers* others, uint8_t kinds) {
+  for (uint32_t i = 0; i < others->count; ++i) {
+    if ((kinds & kind_of(i)) == 0) continue;
+    const layer_rocks* theirs = &q->layers[others->layers[i]];
+    if ((theirs->kept_count <= FEW_ROCKS ||
+         ball_meets_box(s->rock.centroid, s->rock.radius, theirs->tight_low, theirs->tight_high)) &&
+        meets_layer(q, s, others->layers[i]))
+      return true;
+  }
+  return false;
+}
+
+/* Moves out the rocks of a layer that meet one of the others. */
+static scree_result drop(scene_question* q, uint32_t index, other_layers* others) {
   layer_rocks* rocks = &q->layers[index];
-  near_map map;
-  if (!map_others(q, index, others, &map)) return SCREE_ERROR_OUT_OF_MEMORY;
+  if (!map_others(q, index, others)) return SCREE_ERROR_OUT_OF_MEMORY;
   seeker s;
   s.layer = &q->scene->layers[index];
+  memset(s.other_layers, 0, sizeof s.other_layers);
   uint64_t end = rocks->first + rocks->count, kept = rocks->first;
   for (uint64_t i = rocks->first; i < end; ++i) {
-    bool meets_one = false;
-    if (map.bits == NULL || near_map_has(&map, q->instances[i].position)) {
+    const uint8_t kinds = others->mapped ? near_map_kinds(&others->map, q->instances[i].position) : UINT8_MAX;
+    if (kinds != 0) {
       s.rock = place_rock(s.layer, &q->ids[i], q->instances[i].asset);
       s.hull.made = false;
-      for (uint64_t rest = others; rest != 0 && !meets_one; rest &= rest - 1) {
-        uint32_t other = (uint32_t)__builtin_ctzll(rest);
-        const layer_rocks* theirs = &q->layers[other];
-        if (ball_meets_box(s.rock.centroid, s.rock.radius, theirs->tight_low, theirs->tight_high))
-          meets_one = meets_layer(q, &s, other);
-      }
+      if (meets_others(q, &s, others, kinds)) continue;
     }
-    if (meets_one) continue;
     if (kept < i) {
       q->ids[kept] = q->ids[i];
       q->instances[kept] = q->instances[i];
@@ -289,15 +320,16 @@ scree_result scree_rt_scene_keep(scene_question* q) {
   for (uint32_t k = 0; k < q->scene->layer_count; ++k) {
     layer_rocks* rocks = &q->layers[k];
     if (!rocks->needed || rocks->count == 0) continue;
-    uint64_t others = 0;
+    other_layers others;
+    others.count = 0;
     for (uint64_t rest = filled; rest != 0; rest &= rest - 1) {
       uint32_t j = (uint32_t)__builtin_ctzll(rest);
       bool apart = q->layers[j].kept_count == 0;
       for (int a = 0; a < 3; ++a)
         apart = apart || q->layers[j].tight_low[a] > rocks->tight_high[a] || q->layers[j].tight_high[a] < rocks->tight_low[a];
-      if (!apart) others |= UINT64_C(1) << j;
+      if (!apart) others.layers[others.count++] = j;
     }
-    scree_result result = others != 0 ? drop(q, k, others) : SCREE_OK;
+    scree_result result = others.count > 0 ? drop(q, k, &others) : SCREE_OK;
     if (result == SCREE_OK && rocks->wanted) result = fill_cells(q, k);
     if (result != SCREE_OK) return result;
     if (rocks->wanted) filled |= UINT64_C(1) << k;

@@ -59,7 +59,7 @@ typedef struct layer_rocks {
   bool wanted;                          /* by a later layer */
   uint64_t kept_first, start_first;     /* where later layers look it up, cell by cell; see scene_keep.c */
   uint32_t kept_count, cell_count[3];
-  double cell_low[3], cell_step;
+  double cell_low[3], cell_step, cell_inverse, cell_slack;
 } layer_rocks;
 
 /* One question on its way: which rocks of which layers exist, edits apart. */

@@ -84,6 +84,23 @@ static inline vfloat v_max(vfloat a, vfloat b) {
 #endif
 }
 
+/* The largest lane. */
+static inline float v_most(vfloat v) {
+#if defined(SIMD_AVX2) || defined(SIMD_SSE2)
+#if defined(SIMD_AVX2)
+  __m128 m = _mm_max_ps(_mm256_castps256_ps128((__m256)v), _mm256_extractf128_ps((__m256)v, 1));
+#else
+  __m128 m = (__m128)v;
+#endif
+  m = _mm_max_ps(m, _mm_movehl_ps(m, m));
+  return _mm_cvtss_f32(_mm_max_ss(m, _mm_shuffle_ps(m, m, 1)));
+#else
+  float most = v[0];
+  for (int i = 1; i < SIMD_WIDTH; ++i) most = v[i] > most ? v[i] : most;
+  return most;
+#endif
+}
+
 static inline vfloat v_clamp(vfloat v, vfloat low, vfloat high) {
   return v_max(v_min(v, high), low);
 }
