@@ -119,7 +119,7 @@ typedef struct set_bake {
   const scree_bake_desc* desc;
   rock_record* rocks;      /* by slot: rocks that came out empty have no hull */
   rock_mask* masks;        /* by slot */
-  burial_count* burials;   /* by slot */
+  atomic_uint* burials;    /* by slot */
   burial_scratch* burying; /* by worker, made when it is first needed */
   proxy_record* proxies;   /* by (code, part), NULL when the recipe wants none */
   proxy_scratch* merging;  /* by worker, made when it is first needed */
@@ -292,9 +292,10 @@ static scree_result bake_set(set_bake* set, const scree_jobs* jobs) {
   set->jobs = (bake->recipe.proxies ? 3 : 2) * TILES;
   set->stage = "rocks";
   run_jobs(jobs, TILES, bake_tile, set);
+  for (uint32_t slot = 0; slot < bake->slot_count; ++slot) atomic_init(&set->burials[slot], 1);
   set->stage = "burial";
   if (!failed(set)) run_jobs(jobs, TILES, bury_tile, set);
-  for (uint32_t slot = 0; slot < bake->slot_count; ++slot) set->rocks[slot].burial = burial_of_rock(&set->burials[slot]);
+  for (uint32_t slot = 0; slot < bake->slot_count; ++slot) set->rocks[slot].burial = atomic_load(&set->burials[slot]);
   const scree_result result = (scree_result)atomic_load(&set->failure);
   return result == SCREE_OK && bake->recipe.proxies ? bake_proxies(set, jobs) : result;
 }

@@ -1,11 +1,11 @@
 /* Lines from the surface of every rock in all directions, through the rocks around it, until a rock stops them: the ring of cells
  * that it is in says how far one sees from here, and so from how far one is seen.
  *
- * No rock is hidden for good. A pile is 0.6 rock and 0.4 gap, a line passes half a cell of it on average, and so one line in some
- * thousands passes three cells. What is asked for is therefore a share: a rock is buried b deep when no more than BURIAL_SHARE of
- * all lines from its surface pass all rocks of the (2b + 1)^3 cells around its own. It is measured on LINES lines, against the
- * finest level of the rocks (the coarser ones hold the same volume), in several colourings of the corners that its own cell does
- * not depend on. */
+ * No rock is hidden for good. A pile is 0.6 rock and 0.4 gap, a line passes half a cell of it on average, and each ring of cells
+ * stops nine of ten that are left. The farthest of LINES lines ends in ring r, which finds what one line in some thousands sees;
+ * a rock is buried r + 1 deep, so that the ring beyond stops nearly all lines that the sample does not have. (Lines end at the
+ * finest level of the rocks: the coarser ones hold the same volume. They are followed in several colourings of the corners that
+ * the rock's own cell does not depend on.) */
 #include "burial.h"
 
 #include <string.h>
@@ -14,16 +14,22 @@
 #include "random.h"
 
 enum {
-  RINGS = SCREE_BURIAL_NEVER - 1,
-  MARGIN = RINGS + 1, /* cells around the tile: rings, and what sticks out of them */
+  RINGS = SCREE_BURIAL_NEVER - 2, /* that lines are followed through */
+  MARGIN = RINGS + 1,             /* cells around the tile: rings, and what sticks out of them */
   COLOURINGS = 2,
   DIRECTIONS = 256,
   LINES = 1600, /* of a rock in each colouring, about */
   MOST_POINTS = 64,
-  ONE = 1 << 16 /* a voxel in the fixed-point numbers of lines */
+  UNKNOWN = 128, /* bit of a voxel that is not filled yet */
+  ONE = 1 << 16  /* a voxel in the fixed-point numbers of lines */
 };
-#define STRIDE 1.0        /* voxels from sample to sample of a line */
-#define BURIAL_SHARE 1000 /* one line in so many */
+#define STRIDE 1.0 /* voxels from sample to sample of a line */
+
+/* Cells of the scratch. */
+static size_t cells_of(const bake_run* bake) {
+  const size_t side = bake->seeds.n + 2 * MARGIN;
+  return side * side * side;
+}
 
 scree_result burial_scratch_create(const bake_run* bake, burial_scratch* out) {
   out->per_cell = bake->seeds.voxels / mask_step(bake->seeds.voxels);
@@ -34,11 +40,15 @@ scree_result burial_scratch_create(const bake_run* bake, burial_scratch* out) {
       if (bits >> i & 1) out->bytes_of[bits] |= UINT64_C(255) << (8 * i);
   }
   out->owners = scree_rt_allocate(&bake->allocator, out->side * out->side * out->side, 1);
-  return out->owners != NULL ? SCREE_OK : SCREE_ERROR_OUT_OF_MEMORY;
+  out->added = scree_rt_allocate(&bake->allocator, cells_of(bake), 1);
+  if (out->owners != NULL && out->added != NULL) return SCREE_OK;
+  burial_scratch_destroy(bake, out);
+  return SCREE_ERROR_OUT_OF_MEMORY;
 }
 
 void burial_scratch_destroy(const bake_run* bake, burial_scratch* scratch) {
   scree_rt_release(&bake->allocator, scratch->owners, scratch->side * scratch->side * scratch->side, 1);
+  scree_rt_release(&bake->allocator, scratch->added, cells_of(bake), 1);
   memset(scratch, 0, sizeof *scratch);
 }
 
@@ -75,38 +85,68 @@ static void add_rock(burial_scratch* scratch, const rock_mask* mask, const int32
     }
 }
 
-/* A tile whose corners have this code, and around it RINGS cells of tiles whose other corners are coloured by `key`. */
-static void fill(const bake_run* bake, uint32_t code, uint64_t key, const rock_mask* masks, burial_scratch* scratch) {
-  memset(scratch->owners, 0, scratch->side * scratch->side * scratch->side);
-  const int32_t n = (int32_t)bake->seeds.n;
-  uint32_t codes[27];
-  for (int32_t tile = 0; tile < 27; ++tile) {
-    codes[tile] = 0;
-    for (int32_t corner = 0; corner < 8; ++corner) {
-      const int32_t x = tile % 3 - 1 + (corner & 1), y = tile / 3 % 3 - 1 + (corner >> 1 & 1), z = tile / 9 - 1 + (corner >> 2);
-      const bool own = (x | y | z) >> 1 == 0; /* each 0 or 1 */
-      codes[tile] |= (own ? code >> (x + 2 * y + 4 * z) & 1 : corner_colour(key, x, y, z)) << corner;
-    }
-  }
-  int32_t cell[3];
-  for (cell[2] = -RINGS; cell[2] < n + RINGS; ++cell[2])
-    for (cell[1] = -RINGS; cell[1] < n + RINGS; ++cell[1])
-      for (cell[0] = -RINGS; cell[0] < n + RINGS; ++cell[0]) {
-        int32_t tile[3], within[3];
-        for (int axis = 0; axis < 3; ++axis) {
-          tile[axis] = cell[axis] < 0 ? 0 : cell[axis] < n ? 1 : 2;
-          within[axis] = cell[axis] - (tile[axis] - 1) * n;
-        }
-        const uint32_t unique = scree_rt_lattice_cell((uint32_t)n, codes[tile[0] + 3 * tile[1] + 9 * tile[2]], (uint32_t)within[0],
-                                                      (uint32_t)within[1], (uint32_t)within[2]);
-        for (uint32_t slot = bake->cell_rocks[unique]; slot < bake->cell_rocks[unique + 1]; ++slot)
-          if (masks[slot].rows != NULL) add_rock(scratch, &masks[slot], cell);
-      }
+/* A tile whose corners have this code, among tiles whose other corners are coloured by a key. Voxels are filled where lines come
+ * by: few go far. */
+typedef struct surroundings {
+  const bake_run* bake;
+  const rock_mask* masks;
+  burial_scratch* scratch;
+  uint64_t key;
+  uint32_t code;
+} surroundings;
+
+static void begin(const surroundings* s) {
+  memset(s->scratch->owners, UNKNOWN, s->scratch->side * s->scratch->side * s->scratch->side);
+  memset(s->scratch->added, 0, cells_of(s->bake));
 }
 
-/* Follows a line from `p`, by `step` from sample to sample. home: the cell that it comes from, counted from the first of the
- * margin. Returns the ring of the rock that stops it, or SCREE_BURIAL_NEVER. */
-static uint32_t follow(const burial_scratch* scratch, const int32_t home[3], const int32_t from[3], const int32_t step[3]) {
+static void add_cell(const surroundings* s, const int32_t cell[3]) {
+  const int32_t n = (int32_t)s->bake->seeds.n;
+  int32_t tile[3];
+  uint32_t within[3], code = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    tile[axis] = (cell[axis] + n * MARGIN) / n - MARGIN;
+    within[axis] = (uint32_t)(cell[axis] - tile[axis] * n);
+  }
+  for (int32_t corner = 0; corner < 8; ++corner) {
+    const int32_t x = tile[0] + (corner & 1), y = tile[1] + (corner >> 1 & 1), z = tile[2] + (corner >> 2);
+    const bool own = (x | y | z) >> 1 == 0; /* each 0 or 1 */
+    code |= (own ? s->code >> (x + 2 * y + 4 * z) & 1 : corner_colour(s->key, x, y, z)) << corner;
+  }
+  const uint32_t unique = scree_rt_lattice_cell((uint32_t)n, code, within[0], within[1], within[2]);
+  for (uint32_t slot = s->bake->cell_rocks[unique]; slot < s->bake->cell_rocks[unique + 1]; ++slot)
+    if (s->masks[slot].rows != NULL) add_rock(s->scratch, &s->masks[slot], cell);
+}
+
+/* Fills the voxels of a cell, which counts from the first of the margin. Rocks reach half a cell into their neighbours. */
+static void fill(const surroundings* s, const int32_t at[3]) {
+  burial_scratch* scratch = s->scratch;
+  const int32_t n = (int32_t)s->bake->seeds.n, cells = n + 2 * MARGIN;
+  const size_t per_cell = scratch->per_cell, side = scratch->side;
+  int32_t c[3];
+  for (c[2] = at[2] - 1; c[2] <= at[2] + 1; ++c[2])
+    for (c[1] = at[1] - 1; c[1] <= at[1] + 1; ++c[1])
+      for (c[0] = at[0] - 1; c[0] <= at[0] + 1; ++c[0]) {
+        const int32_t cell[3] = {c[0] - MARGIN, c[1] - MARGIN, c[2] - MARGIN};
+        bool inside = true;
+        for (int axis = 0; axis < 3; ++axis) inside = inside && cell[axis] >= -RINGS && cell[axis] < n + RINGS;
+        if (!inside) continue;
+        uint8_t* added = &scratch->added[c[0] + cells * (c[1] + cells * c[2])];
+        if (*added == 0) add_cell(s, cell);
+        *added = 1;
+      }
+  for (size_t z = 0; z < per_cell; ++z)
+    for (size_t y = 0; y < per_cell; ++y) {
+      uint8_t* row = scratch->owners + (size_t)at[0] * per_cell +
+                     side * ((size_t)at[1] * per_cell + y + side * ((size_t)at[2] * per_cell + z));
+      for (size_t x = 0; x < per_cell; ++x) row[x] &= UNKNOWN - 1;
+    }
+}
+
+/* Follows a line, by `step` from sample to sample. home: the cell that it comes from, counted from the first of the
+ * margin. Returns the ring of the rock that stops it, RINGS + 1 if none does. */
+static uint32_t follow(const surroundings* s, const int32_t home[3], const int32_t from[3], const int32_t step[3]) {
+  const burial_scratch* scratch = s->scratch;
   const int32_t per_cell = (int32_t)scratch->per_cell, side = (int32_t)scratch->side;
   /* To where rocks of the outermost ring reach at most. */
   int32_t count = INT32_MAX;
@@ -120,8 +160,14 @@ static uint32_t follow(const burial_scratch* scratch, const int32_t home[3], con
   for (int32_t i = 1; i < count; ++i) {
     p[0] += step[0], p[1] += step[1], p[2] += step[2];
     const int32_t at[3] = {p[0] / ONE, p[1] / ONE, p[2] / ONE};
-    const int32_t owner = scratch->owners[(size_t)(at[0] + side * (at[1] + side * at[2]))] - 1;
-    if (owner < 0) continue;
+    const uint8_t* voxel = &scratch->owners[(size_t)(at[0] + side * (at[1] + side * at[2]))];
+    if (*voxel == 0) continue;
+    if (*voxel >= UNKNOWN) {
+      const int32_t cell[3] = {at[0] / per_cell, at[1] / per_cell, at[2] / per_cell};
+      fill(s, cell);
+      if (*voxel == 0) continue;
+    }
+    const int32_t owner = *voxel - 1;
     const int32_t offset[3] = {owner % 3 - 1, owner / 3 % 3 - 1, owner / 9 - 1};
     int32_t ring = 0;
     for (int axis = 0; axis < 3; ++axis) {
@@ -130,7 +176,7 @@ static uint32_t follow(const burial_scratch* scratch, const int32_t home[3], con
     }
     if (ring <= RINGS) return (uint32_t)ring;
   }
-  return SCREE_BURIAL_NEVER;
+  return RINGS + 1;
 }
 
 static void make_directions(int32_t (*out)[3]) {
@@ -176,14 +222,15 @@ static bool is_chosen(uint32_t code, uint32_t cell, uint32_t x, uint32_t y, uint
   return variant % share == hash_mix(cell) % share;
 }
 
-void burial_of_tile(const bake_run* bake, uint32_t code, const rock_mask* masks, const rock_record* rocks, burial_count* counts,
+void burial_of_tile(const bake_run* bake, uint32_t code, const rock_mask* masks, const rock_record* rocks, atomic_uint* burials,
                     burial_scratch* scratch) {
   int32_t directions[DIRECTIONS][3], points[MOST_POINTS][3];
   make_directions(directions);
   const uint32_t n = bake->seeds.n;
   for (uint32_t colouring = 0; colouring < COLOURINGS; ++colouring) {
     const uint64_t key = hash_combine(hash_combine(bake->recipe.random_seed, UINT64_C(0xb417)), code * COLOURINGS + colouring);
-    fill(bake, code, key, masks, scratch);
+    const surroundings around = {bake, masks, scratch, key, code};
+    begin(&around);
     for (uint32_t place = 0; place < n * n * n; ++place) {
       const uint32_t x = place % n, y = place / n % n, z = place / n / n, cell = scree_rt_lattice_cell(n, code, x, y, z);
       if (!is_chosen(code, cell, x, y, z)) continue;
@@ -193,24 +240,19 @@ void burial_of_tile(const bake_run* bake, uint32_t code, const rock_mask* masks,
         if (masks[slot].rows == NULL) continue;
         const uint32_t point_count = gather_points(bake, &rocks[slot], at, scratch, points);
         const uint32_t lines = LINES / point_count < DIRECTIONS ? LINES / point_count : DIRECTIONS;
-        uint32_t out[SCREE_BURIAL_NEVER] = {0};
+        uint32_t farthest = 0;
         for (uint32_t p = 0; p < point_count; ++p) {
           const uint32_t first = (uint32_t)hash_combine(key, (uint64_t)slot << 8 | p);
           for (uint32_t i = 0; i < lines; ++i) {
-            const uint32_t ring = follow(scratch, home, points[p], directions[(first + i * 97) % DIRECTIONS]);
-            for (uint32_t b = 1; b < ring; ++b) ++out[b];
+            const uint32_t ring = follow(&around, home, points[p], directions[(first + i * 97) % DIRECTIONS]);
+            if (ring > farthest) farthest = ring;
           }
         }
-        atomic_fetch_add_explicit(&counts[slot].lines, lines * point_count, memory_order_relaxed);
-        for (uint32_t b = 1; b < SCREE_BURIAL_NEVER; ++b)
-          atomic_fetch_add_explicit(&counts[slot].out[b], out[b], memory_order_relaxed);
+        uint32_t before = atomic_load_explicit(&burials[slot], memory_order_relaxed);
+        while (farthest + 1 > before && !atomic_compare_exchange_weak_explicit(&burials[slot], &before, farthest + 1,
+                                                                               memory_order_relaxed, memory_order_relaxed))
+          ;
       }
     }
   }
-}
-
-uint32_t burial_of_rock(burial_count* count) {
-  uint32_t b = 1;
-  while (b < SCREE_BURIAL_NEVER && (uint64_t)atomic_load(&count->out[b]) * BURIAL_SHARE > atomic_load(&count->lines)) ++b;
-  return b;
 }

@@ -138,13 +138,8 @@ void info_write_text(const info_report* report, const char* path, text_buffer* o
     if (report->rocks_with_contacts[i] > 0)
       buffer_format(out, " %u%s:%u", i, i == INFO_CONTACT_BINS - 1 ? "+" : "", report->rocks_with_contacts[i]);
   buffer_add(out, "\n\nburial: cells around a rock that must be full for nobody to see it, and how many rocks are buried so\n ");
-  for (uint32_t b = 1; b <= SCREE_BURIAL_NEVER; ++b)
-    buffer_format(out, " %s:%u",
-                  b == SCREE_BURIAL_NEVER ? "never"
-                  : b == 1                ? "1"
-                  : b == 2                ? "2"
-                                          : "3",
-                  report->rocks_with_burial[b]);
+  for (uint32_t b = 1; b < SCREE_BURIAL_NEVER; ++b) buffer_format(out, " %u:%u", b, report->rocks_with_burial[b]);
+  buffer_format(out, " never:%u", report->rocks_with_burial[SCREE_BURIAL_NEVER]);
   buffer_add(out, "\n\nrecipe\n");
   buffer_add(out, pack->recipe);
   if (pack->recipe_size == 0 || pack->recipe[pack->recipe_size - 1] != '\n') buffer_add(out, "\n");

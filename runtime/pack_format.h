@@ -45,7 +45,7 @@ enum {
   PACK_MAX_LODS = 8,
   PACK_PROXY_PARTS = 9,                  /* of a tile: the whole, and the halves of its axes */
   PACK_PROXIES = 256 * PACK_PROXY_PARTS, /* of a pack that has any */
-  PACK_MAX_BURIAL = 4,                   /* SCREE_BURIAL_NEVER */
+  PACK_MAX_BURIAL = 7,                   /* SCREE_BURIAL_NEVER */
   PACK_MAX_ROCKS_PER_CELL = 255,
   PACK_MAX_HULL = 64,
   PACK_MIN_HULL = 4,

@@ -23,6 +23,7 @@ RECIPE, TILES, CELLS, ASSETS, LODS, CONTACTS, HULLS, BLOB_INDEX, BLOBS = range(1
 ELEMENT_SIZES = {
     RECIPE: [1], TILES: [4], CELLS: [4], ASSETS: [52], LODS: [16], CONTACTS: [8, 5], HULLS: [6, 3], BLOB_INDEX: [12], BLOBS: [1]
 }
+MAX_BURIAL = 7  # never hidden
 NAMES = ["recipe", "tiles", "cells", "assets", "lods", "contacts", "hulls", "blob_index", "blobs"]
 
 
@@ -148,7 +149,7 @@ class Pack:
         check(asset["seed"] < self.max_rocks_per_cell, name + "seed")
         check(number == first or asset["seed"] > self.assets[number - 1]["seed"], name + "order of seeds")
         check(asset["first_contact"] + asset["contact_count"] <= len(self.contacts), name + "contacts")
-        check(1 <= asset["burial"] <= 4, name + "burial")
+        check(1 <= asset["burial"] <= MAX_BURIAL, name + "burial")
         check(4 <= asset["hull_count"] <= 64, name + "hull count")
         check(asset["first_hull"] + asset["hull_count"] <= self.elements(HULLS), name + "hull")
         for low, high, centre in zip(asset["bounds_min"], asset["bounds_max"], asset["centroid"]):
@@ -233,7 +234,7 @@ def compare(pack, info):
         same(f"sections.{name}", len(pack.sections[kind]), info["sections"][name])
     same("contacts", len(pack.contacts), info["contacts"])
     same("proxy_count", pack.proxy_count, info["proxy_count"])
-    same("burial", [sum(asset["burial"] == b for asset in pack.assets) for b in range(1, 5)], info["burial"])
+    same("burial", [sum(asset["burial"] == b for asset in pack.assets) for b in range(1, MAX_BURIAL + 1)], info["burial"])
     for lod in range(pack.lod_count):
         rocks = range(lod, pack.asset_count * pack.lod_count, pack.lod_count)
         same_levels(f"lods[{lod}]", pack, rocks, info["lods"][lod])

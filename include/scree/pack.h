@@ -86,12 +86,12 @@ typedef struct scree_asset {
   float outer_radius;     /* ball around the centroid that holds the rock */
   uint32_t contact_count; /* contacts with neighbours */
   uint32_t hull_vertices; /* vertices of the convex hull, 4..64 */
-  uint32_t burial; /* b: while every rock of the (2b + 1)^3 cells round its own exists, at most one in 1000 lines of sight from
-                      its surface gets past them, so that next to nobody sees it from outside; 1..SCREE_BURIAL_NEVER - 1, or
-                      SCREE_BURIAL_NEVER: no such b is known */
+  uint32_t burial; /* b: while every rock of the (2b + 1)^3 cells round its own exists, next to nobody sees it from outside: of the
+                      thousands of lines of sight from its surface that the bake follows, rocks of the (2b - 1)^3 cells stop every
+                      one; 1..SCREE_BURIAL_NEVER - 1, or SCREE_BURIAL_NEVER: no such b is known */
 } scree_asset;
 
-#define SCREE_BURIAL_NEVER 4
+#define SCREE_BURIAL_NEVER 7
 
 /* Returns SCREE_OK, INVALID_ARGUMENT (asset out of range) or CORRUPT. */
 SCREE_API scree_result scree_pack_get_asset(const scree_pack* pack, uint32_t asset, scree_asset* out);
