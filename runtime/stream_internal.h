@@ -96,6 +96,7 @@ typedef struct stream_layer {
 
 typedef struct stream_node {
   double due;           /* travel at which something in its subtree may change */
+  double child_due[8];  /* the same of its children, or when they may come into view; while child_context holds */
   uint64_t touched;     /* when a change of the scene or of edits last concerned it; see scree_stream.touch */
   int32_t at[3];        /* in widths of its own level */
   uint32_t parent;      /* STREAM_NONE: a root */
@@ -109,7 +110,7 @@ typedef struct stream_node {
   uint16_t layer;
   uint8_t level;
   uint8_t empty; /* bit i: child i can hold nothing */
-  uint8_t context;
+  uint8_t context, child_context;
   bool shown, ready; /* ready: fresh is the answer of a build */
   bool building, stale, split;
   bool opened;  /* it was shown and its children have taken its place */
@@ -303,6 +304,15 @@ struct scree_stream {
   uint32_t shown_instances, shown_by_level[STREAM_LEVELS], shown_proxies, coarser, refused;
   uint64_t triangles;
 };
+
+/* Says that bytes are going to be needed. */
+static inline void stream_prefetch(const void* bytes, size_t size) {
+#if defined(__GNUC__)
+  for (size_t at = 0; at < size; at += 64) __builtin_prefetch((const char*)bytes + at);
+#else
+  (void)bytes, (void)size;
+#endif
+}
 
 static inline uint32_t stream_mesh_slot(const stream_pack* pack, uint32_t asset, uint32_t level) {
   return pack->first_mesh + asset * pack->levels + level;

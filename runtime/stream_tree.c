@@ -133,7 +133,10 @@ static uint32_t take_node(scree_stream* s) {
   node->generation = generation;
   node->due = -INFINITY;
   node->parent = node->next = node->block = node->fresh = node->hole_at = STREAM_NONE;
-  for (int i = 0; i < 8; ++i) node->child[i] = STREAM_NONE;
+  for (int i = 0; i < 8; ++i) {
+    node->child[i] = STREAM_NONE;
+    node->child_due[i] = -INFINITY;
+  }
   return number;
 }
 
@@ -180,7 +183,10 @@ static void free_node(scree_stream* s, uint32_t number) {
   } else {
     stream_node* parent = &s->nodes[node->parent];
     for (int i = 0; i < 8; ++i)
-      if (parent->child[i] == number) parent->child[i] = STREAM_NONE;
+      if (parent->child[i] == number) {
+        parent->child[i] = STREAM_NONE;
+        parent->child_due[i] = -INFINITY;
+      }
   }
   if (node->refused) --s->refused;
   set_hole(s, number, false);
@@ -318,6 +324,7 @@ static double build_order(const scree_stream* s, const stream_node* node, const 
 /* Visits the children there are. */
 static double visit_children(scree_stream* s, uint32_t number, uint8_t context) {
   double due = INFINITY;
+  s->nodes[number].child_context = context;
   for (int i = 0; i < 8; ++i) {
     uint32_t child = s->nodes[number].child[i];
     if (child != STREAM_NONE) due = fmin(due, visit(s, child, context));
@@ -396,21 +403,33 @@ static double visit_split(scree_stream* s, uint32_t number, uint8_t context) {
   uint8_t below = context & CONTEXT_COVERED || node->shown ? CONTEXT_COVERED : 0;
   double due = INFINITY;
   bool all_ready = true, any_missing = false;
+  bool known = !s->revisit && node->child_context == below;
+  for (int i = 0; i < 8; ++i)
+    if (node->child[i] != STREAM_NONE && node->child_due[i] <= s->travel) stream_prefetch(&s->nodes[node->child[i]], sizeof *node);
+  node->child_context = below;
   for (int i = 0; i < 8; ++i) {
-    bool missing = false;
-    uint32_t child = child_of(s, number, i, &missing, &due);
-    if (missing) {
-      due = pend(s);
-      all_ready = false;
-      any_missing = true;
+    if (!known || node->child_due[i] <= s->travel) {
+      bool missing = false;
+      double child_due = INFINITY;
+      uint32_t child = child_of(s, number, i, &missing, &child_due);
+      if (missing) {
+        child_due = pend(s);
+        any_missing = true;
+      }
+      if (child != STREAM_NONE) child_due = visit(s, child, below);
+      node->child_due[i] = child_due;
     }
-    if (child == STREAM_NONE) continue;
-    due = fmin(due, visit(s, child, below));
-    if (node->child[i] == STREAM_NONE) continue;
-    if (!s->nodes[child].shown && !s->nodes[child].ready) all_ready = false;
+    if (node->child_due[i] < due) due = node->child_due[i];
+    if (!node->shown || node->child[i] == STREAM_NONE) continue;
+    const stream_node* child = &s->nodes[node->child[i]];
+    if (!child->shown && !child->ready) all_ready = false;
   }
+  if (any_missing) all_ready = false;
   set_hole(s, number, any_missing && below == 0);
-  if (!node->shown) return due;
+  if (!node->shown) {
+    if (due > s->travel) node->opened = true; /* all there is below is there, if only nothing */
+    return due;
+  }
   if (!all_ready || !try_split(s, number)) return pend(s);
   return -INFINITY; /* children are no longer covered */
 }
@@ -608,6 +627,7 @@ static void touch_node(scree_stream* s, uint32_t number, const double min[3], co
     if (min != NULL && (low[a] - grow > max[a] || high[a] + grow < min[a])) return;
   node->due = -INFINITY;
   node->touched = s->touch;
+  for (int i = 0; i < 8; ++i) node->child_due[i] = -INFINITY;
   node->empty = 0;
   node->opened = false;
   if (node->shown) node->stale = true;

@@ -5,6 +5,8 @@
 
 #include "stream_internal.h"
 
+enum { PREFETCHED = 192 }; /* bytes of a block that decide about its levels */
+
 static double bucket_width(const scree_stream* s) {
   return s->desc.view_distance / STREAM_BUCKETS;
 }
@@ -69,6 +71,10 @@ static void look_at_bucket(scree_stream* s, uint32_t* head, bool anew) {
   *head = STREAM_NONE;
   while (block != STREAM_NONE) { /* what is put back comes to the front of a bucket, never behind this one */
     uint32_t after = s->watches[block].after;
+    if (after != STREAM_NONE) { /* blocks of a bucket lie all over the memory */
+      stream_prefetch(&s->watches[after], sizeof *s->watches);
+      stream_prefetch(&s->blocks[after], PREFETCHED);
+    }
     look_at(s, block, anew);
     block = after;
   }

@@ -54,7 +54,7 @@ typedef struct scree_stream_desc {
   scree_log log;
 } scree_stream_desc;
 
-/* Memory of a stream: 42 bytes an instance, about 530 a block, 128 an event, 24 for each level of each asset of each pack, for each
+/* Memory of a stream: 42 bytes an instance, about 1,000 a block, 128 an event, 24 for each level of each asset of each pack, for each
  * decode twice the largest mesh of the packs, and the coarsest meshes of all packs, but no more than upload_bytes;
  * scree_stream_memory gives the exact sum for a descriptor, 0 for a wrong one. All of it is allocated here, but for the scratch of
  * builds, which grows with the densest block.
