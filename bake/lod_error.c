@@ -42,6 +42,9 @@ typedef struct target {
   const voxel_field* field;
   const uint32_t* first; /* triangles around vertex v: list[first[v]] .. list[first[v + 1] - 1] */
   const uint32_t* list;
+  float longest;  /* edge */
+  uint32_t* seen; /* by triangle: the last point that it was measured from, or NULL */
+  uint32_t point;
 } target;
 
 static void sort_triangles(const mesh_buffer* mesh, uint32_t* first, uint32_t* list) {
@@ -78,6 +81,11 @@ static float vertex_distance2(const target* to, const float p[3], uint32_t verte
 static float fan_distance2(const target* to, const float p[3], uint32_t vertex, float enough) {
   float least = vertex_distance2(to, p, vertex);
   for (uint32_t f = to->first[vertex]; f < to->first[vertex + 1] && least > enough; ++f) {
+    if (to->seen != NULL) {
+      uint32_t* seen = &to->seen[to->list[f]];
+      if (*seen == to->point) continue;
+      *seen = to->point;
+    }
     const uint32_t* corner = to->mesh->indices + (size_t)to->list[f] * 3;
     float t[3][3];
     for (int k = 0; k < 3; ++k)
@@ -112,6 +120,8 @@ static float distance2(const target* to, const int16_t position[3], float enough
       for (uint32_t x = low[0]; x < high[0]; ++x) {
         const uint32_t vertex = to->mesh->vertex_of[x + dy * y + dz * z];
         if (vertex == UINT32_MAX || vertex == own) continue;
+        /* No point of the triangles around a vertex is farther from it than their longest edge. */
+        if (sqrtf(vertex_distance2(to, p, vertex)) - to->longest > 1.001f * sqrtf(least)) continue;
         const float d2 = fan_distance2(to, p, vertex, enough);
         if (d2 <= enough) return d2;
         if (d2 < least) least = d2;
@@ -125,11 +135,22 @@ static float distance2(const target* to, const int16_t position[3], float enough
   return least;
 }
 
+static float longest_edge(const mesh_buffer* mesh) {
+  int32_t most = 0;
+  for (uint32_t i = 0; i < mesh->index_count; ++i) {
+    const int16_t *a = mesh->positions[mesh->indices[i]], *b = mesh->positions[mesh->indices[i % 3 == 2 ? i - 2 : i + 1]];
+    int32_t sum = 0;
+    for (int axis = 0; axis < 3; ++axis) sum += (a[axis] - b[axis]) * (a[axis] - b[axis]);
+    if (sum > most) most = sum;
+  }
+  return sqrtf((float)most);
+}
+
 float lod_error(const mesh_buffer* fine, const mesh_buffer* coarse, const voxel_field* field, uint32_t* scratch) {
   uint32_t* list = scratch + coarse->vertex_count + 1;
   sort_triangles(coarse, scratch, list);
   sort_vertices(coarse, field);
-  const target to = {coarse, field, scratch, list};
+  const target to = {coarse, field, scratch, list, longest_edge(coarse), NULL, 0};
   float worst = 0;
   for (uint32_t v = 0; v < fine->vertex_count; ++v) {
     const float d2 = distance2(&to, fine->positions[v], worst);
@@ -149,10 +170,14 @@ float lod_error_of_most(const mesh_buffer* fine, const mesh_buffer* coarse, cons
   uint32_t* list = scratch + coarse->vertex_count + 1;
   sort_triangles(coarse, scratch, list);
   sort_vertices(coarse, field);
-  const target to = {coarse, field, scratch, list};
+  target to = {coarse, field, scratch, list, longest_edge(coarse), list + coarse->index_count, 0};
+  memset(to.seen, 0, coarse->index_count / 3 * sizeof *to.seen);
   const uint32_t skip = fine->vertex_count / ENOUGH + 1;
   uint32_t count = 0;
-  for (uint32_t v = 0; v < fine->vertex_count; v += skip) distances[count++] = distance2(&to, fine->positions[v], 0);
+  for (uint32_t v = 0; v < fine->vertex_count; v += skip) {
+    ++to.point;
+    distances[count++] = distance2(&to, fine->positions[v], 0);
+  }
   qsort(distances, count, sizeof *distances, compare_floats);
   return sqrtf(distances[(95 * count + 99) / 100 - 1]);
 }

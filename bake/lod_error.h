@@ -15,7 +15,7 @@ float lod_error_of_most(const mesh_buffer* fine, const mesh_buffer* coarse, cons
                         float* distances);
 
 static inline uint32_t lod_error_scratch(const mesh_buffer* coarse) {
-  return coarse->vertex_count + 1 + coarse->index_count;
+  return coarse->vertex_count + 1 + coarse->index_count + coarse->index_count / 3;
 }
 
 #endif

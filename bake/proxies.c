@@ -160,11 +160,13 @@ static void average(proxy_scratch* s, uint32_t span, voxel_field* out) {
   for (int axis = 0; axis < 3; ++axis) out->origin[axis] = first + out->step / 2;
   const size_t count = (size_t)width * blocks * blocks;
   memset(s->values, 0, count * sizeof *s->values);
+  uint32_t block_of[64]; /* samples a side fit a word */
+  for (uint32_t x = 0; x < size; ++x) block_of[x] = (x + before) / span;
   for (uint32_t z = 0; z < size; ++z)
     for (uint32_t y = 0; y < size; ++y) {
       const float* row = s->density + size * (y + (size_t)size * z);
-      float* to = s->values + width * ((y + before) / span + (size_t)blocks * ((z + before) / span));
-      for (uint32_t x = 0; x < size; ++x) to[(x + before) / span] += row[x];
+      float* to = s->values + width * (block_of[y] + (size_t)blocks * block_of[z]);
+      for (uint32_t x = 0; x < size; ++x) to[block_of[x]] += row[x];
     }
   const float inverse = 1.0f / (float)(span * span * span);
   for (size_t i = 0; i < count; ++i) s->values[i] = s->values[i] * inverse - 0.5f;

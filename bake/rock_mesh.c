@@ -330,9 +330,11 @@ static scree_result repeat_level(rock_mesher* mesher, uint32_t level) {
   return SCREE_OK;
 }
 
-/* A level that holds less or more of the finest one's volume is too coarse for this rock, and the one before it is repeated. */
+/* A level that holds less or more of the finest one's volume is too coarse for this rock, and the one before it is repeated. So is
+ * one that is farther off than this many of its voxels: averaging has taken an arm off the rock, and the volume is in the rest. */
 #define LEAST_VOLUME 0.8
 #define MOST_VOLUME 1.2
+#define MOST_ERROR 1.25f
 
 static scree_result mesh_level(rock_mesher* mesher, const rock_worker* worker, const voxel_field* fine, uint32_t level) {
   mesh_buffer* mesh = &mesher->meshes[level];
@@ -366,7 +368,8 @@ static scree_result mesh_level(rock_mesher* mesher, const rock_worker* worker, c
     mesher->fan_capacity = needed * 2;
   }
   const float lattice = (float)(mesher->lattice_per_voxel * worker->seeds->voxels);
-  const float error = lod_error(&mesher->meshes[0], mesh, &coarse, mesher->fans) / lattice;
+  const float off = lod_error(&mesher->meshes[0], mesh, &coarse, mesher->fans), error = off / lattice;
+  if (off > MOST_ERROR * (float)coarse.step) return repeat_level(mesher, level);
   mesher->errors[level] = error > mesher->errors[level - 1] ? error : mesher->errors[level - 1];
   return SCREE_OK;
 }

@@ -206,7 +206,7 @@ static void bounds_mass_and_balls_are_those_of_the_mesh(void** state) {
 typedef struct error_sum {
   double given[ROCK_MAX_LODS], at_vertices[ROCK_MAX_LODS], between[ROCK_MAX_LODS], back[ROCK_MAX_LODS]; /* largest, cells */
   double given_mean[ROCK_MAX_LODS], true_mean[ROCK_MAX_LODS];
-  uint32_t too_small, falling, between_more, back_more;
+  uint32_t too_small, falling, lost_arms, between_more, back_more;
   double worst_between; /* largest of (distance - error), cells */
   uint64_t random;
 } error_sum;
@@ -237,6 +237,8 @@ static void check_errors(const bake_run* bake, const bake_worker* worker, const 
   for (uint32_t level = 1; level < bake->recipe.lod_levels; ++level) {
     const twin_mesh coarse = mesh_of(worker, level);
     const double error = worker->mesher.errors[level];
+    static const double voxels[ROCK_MAX_LODS] = {1, 2, 3, 4, 6, 8};
+    sum->lost_arms += error * bake->recipe.voxels_per_cell > 1.25 * voxels[level] + 1e-4;
     double p[3], at_vertices = 0, between = 0, back = 0;
     for (uint32_t v = 0; v < fine.vertex_count; ++v) {
       surface_point(&fine, v, true, &sum->random, p);
@@ -283,6 +285,7 @@ static void errors_of_levels_bound_the_distance_to_the_finest(void** state) {
         sum.too_small, sum.between_more, sum.worst_between, sum.back_more);
     assert_int_equal(sum.too_small, 0);
     assert_int_equal(sum.falling, 0);
+    assert_int_equal(sum.lost_arms, 0);
     /* The error is that of vertices; a fine triangle between them is no larger than a voxel. */
     assert_true(sum.worst_between < 0.02);
   }
