@@ -91,6 +91,11 @@ static double split_distance(const scree_stream* s, const stream_layer* layer, u
 
 /* --- holes ------------------------------------------------------------------------------------------------------------------ */
 
+/* Of a node that is not shown: what once gave way to children shows nothing only because they have nothing. */
+static bool is_hole(const stream_node* node, uint8_t context) {
+  return !(context & CONTEXT_COVERED) && node->shown_below == 0 && !node->opened;
+}
+
 static void set_hole(scree_stream* s, uint32_t number, bool hole) {
   stream_node* node = &s->nodes[number];
   if (hole == (node->hole_at != STREAM_NONE)) return;
@@ -317,7 +322,7 @@ static double pend(scree_stream* s) {
 static double build_order(const scree_stream* s, const stream_node* node, const double low[3], const double high[3],
                           double scaled) {
   double order = scaled / stream_node_width(&s->layers[node->layer], node->level);
-  if (!(node->context & CONTEXT_COVERED) && node->shown_below == 0) order -= HOLE;
+  if (is_hole(node, node->context)) order -= HOLE;
   return is_out_of_sight(s, low, high) ? order + OUTSIDE_FRUSTUM : order;
 }
 
@@ -355,7 +360,7 @@ static double visit_leaf(scree_stream* s, uint32_t number, uint8_t context, doub
       set_hole(s, number, false);
       return INFINITY;
     }
-    set_hole(s, number, !(context & CONTEXT_COVERED) && node->shown_below == 0);
+    set_hole(s, number, is_hole(node, context));
     visit_children(s, number, CONTEXT_FROZEN);
     /* Under an ancestor that is shown, a node that is ready waits for its siblings; the ancestor is pending for it. */
     return pend(s);

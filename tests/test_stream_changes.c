@@ -303,10 +303,80 @@ static void twenty_thousand_updates_with_changes_neither_grow_nor_leak(void** st
   world_free(&w);
 }
 
+typedef struct failing_memory {
+  size_t bytes;
+  uint64_t allocations, fails; /* the allocation of this number; 0 = none */
+} failing_memory;
+
+static void* failing_alloc(void* user, size_t size) {
+  failing_memory* m = user;
+  if (++m->allocations == m->fails) return NULL;
+  m->bytes += size;
+  return aligned_alloc(64, (size + 63) / 64 * 64);
+}
+
+static void failing_release(void* user, void* memory, size_t size) {
+  ((failing_memory*)user)->bytes -= size;
+  free(memory);
+}
+
+/* Each allocation from set_scene on fails once: the call says so and changes nothing, or updates make up for it. */
+static void a_change_of_scene_survives_every_allocation_that_fails(void** state) {
+  (void)state;
+  random_stream r = {21};
+  changing_world w;
+  world_make(&w, &r);
+  w.layer_count = 1;
+  scree_scene* small = make_scene(&w);
+  w.layer_count = LAYERS; /* brings another pack and larger tables */
+  scree_view view = host_view(2, 3, 4);
+  bool failed = true;
+  uint32_t refused = 0;
+  for (uint64_t n = 1; failed; ++n) {
+    failing_memory memory = {0, 0, 0};
+    scree_allocator allocator = {failing_alloc, failing_release, &memory};
+    scree_stream_desc desc = describe(&w);
+    desc.scene = small;
+    desc.view_distance = 12;
+    desc.caps = (scree_stream_caps){.instances = 20000, .blocks = 300, .builds = 3, .decodes = 8};
+    stream_host h;
+    host_create(&h, &desc, &allocator);
+    host_settle(&h, &view, 1, 500);
+    memory.fails = memory.allocations + n;
+    scree_result result = scree_stream_set_scene(h.stream, w.scene);
+    if (result != SCREE_OK) {
+      assert_int_equal(result, SCREE_ERROR_OUT_OF_MEMORY);
+      ++refused;
+      host_settle(&h, &view, 1, 500);
+      host_check_truth(&h, &view, 1, true);
+      assert_int_equal(scree_stream_set_scene(h.stream, w.scene), SCREE_OK);
+    }
+    h.desc.scene = w.scene;
+    host_use_scene(&h, w.scene);
+    host_settle(&h, &view, 1, 800);
+    uint32_t place = 0;
+    while (h.owners[place] == 0) ++place;
+    scree_id id = h.ids[place];
+    assert_int_equal(scree_edits_set(w.edits, &id, SCREE_EDIT_REMOVE), SCREE_OK);
+    assert_int_equal(scree_stream_edited(h.stream, &id, 1), SCREE_OK);
+    host_settle(&h, &view, 1, 500);
+    host_check(&h);
+    host_check_truth(&h, &view, 1, true);
+    failed = memory.allocations >= memory.fails;
+    scree_edits_clear(w.edits);
+    host_destroy(&h);
+    assert_int_equal(memory.bytes, 0);
+  }
+  assert_true(refused > 1);
+  scree_scene_destroy(small);
+  world_free(&w);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(changes_end_in_the_truth),
       cmocka_unit_test(layers_come_and_go),
+      cmocka_unit_test(a_change_of_scene_survives_every_allocation_that_fails),
       cmocka_unit_test(an_edit_sends_only_the_blocks_it_touches),
       cmocka_unit_test(a_scene_that_does_not_fit_changes_nothing),
       cmocka_unit_test(twenty_thousand_updates_with_changes_neither_grow_nor_leak),

@@ -134,6 +134,24 @@ static void free_running_threads_break_no_promise(void** state) {
   stream_world_free(&w);
 }
 
+static void hosts_whose_threads_cannot_be_helped_are_waited_for(void** state) {
+  (void)state;
+  stream_world w;
+  stream_world_make(&w, &(stream_world_desc){0});
+  scree_stream_desc desc = describe(&w);
+  desc.deterministic = true;
+  uint64_t alone = fly(&w, &desc, NULL, 150);
+  scree_threads* threads;
+  assert_int_equal(scree_threads_create(2, NULL, &threads), SCREE_OK);
+  desc.tasks = scree_threads_tasks(threads);
+  desc.tasks.help = NULL;
+  assert_int_equal(fly(&w, &desc, NULL, 150), alone);
+  desc.deterministic = false;
+  fly(&w, &desc, NULL, 150);
+  scree_threads_destroy(threads);
+  stream_world_free(&w);
+}
+
 static void tasks_may_run_late_and_in_any_order(void** state) {
   (void)state;
   stream_world w;
@@ -197,6 +215,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(events_are_the_same_with_any_number_of_threads),
       cmocka_unit_test(free_running_threads_break_no_promise),
+      cmocka_unit_test(hosts_whose_threads_cannot_be_helped_are_waited_for),
       cmocka_unit_test(tasks_may_run_late_and_in_any_order),
       cmocka_unit_test(destroy_waits_for_what_is_under_way),
       cmocka_unit_test(a_settled_stream_submits_nothing),

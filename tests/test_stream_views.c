@@ -10,6 +10,7 @@
 /* after the four above */
 #include <cmocka.h>
 
+#include "lattice.h"
 #include "stream_host.h"
 #include "stream_internal.h"
 #include "synthetic_field.h"
@@ -125,9 +126,82 @@ static void a_far_field_covers_the_view_long_before_it_is_complete(void** state)
   stream_world_free(&w);
 }
 
+/* Rocks in blocks that the half-space of a plane meets, and in those that lie wholly outside. */
+static void count_sides(const stream_host* h, const float plane[4], const scree_view* view, uint32_t sides[2]) {
+  sides[0] = sides[1] = 0;
+  double width = stream_node_width(&h->stream->layers[0], 0);
+  for (uint32_t k = 0; k < h->caps.blocks; ++k) {
+    const host_block* b = &h->blocks[k];
+    if (!b->shown) continue;
+    double sum = (double)plane[3];
+    for (int a = 0; a < 3; ++a) sum += (double)plane[a] * (b->origin[a] + (plane[a] > 0 ? width : 0) - view->position[a]);
+    sides[sum >= 0] += b->count;
+  }
+}
+
+static void what_is_in_the_frustum_comes_first(void** state) {
+  (void)state;
+  stream_world w;
+  stream_world_make(&w, &(stream_world_desc){0});
+  for (int turn = 0; turn < 4; ++turn) {
+    const float plane[4] = {turn == 0 ? 1 : turn == 1 ? -1 : 0, 0, turn == 2 ? 1 : turn == 3 ? -1 : 0, 0};
+    scree_stream_desc desc = {.scene = w.scene, .view_distance = 45, .no_far_field = true, .caps = {.builds = 2}};
+    stream_host h;
+    host_create(&h, &desc, NULL);
+    scree_view view = host_view(0, 4, 0);
+    view.frustum = plane;
+    view.plane_count = 1;
+    uint32_t sides[2], inside_before = 0, most = 0, first_outside = 0;
+    for (int i = 0; i < 400; ++i) {
+      host_update(&h, &view, 1);
+      count_sides(&h, plane, &view, sides);
+      if (first_outside == 0 && sides[0] > 0) first_outside = inside_before = sides[1];
+      most = sides[1];
+    }
+    assert_true(first_outside > 0 && inside_before * 20 > most * 19);
+    assert_true(sides[0] > most / 4);
+    host_destroy(&h);
+  }
+  stream_world_free(&w);
+}
+
+/* Flies over a world that lies `origin` from the place where coordinates start. Returns a digest of how much is shown after each
+ * update. Not of the events themselves: far away, distances that are alike differ in their last bits, which changes the order. */
+static uint64_t fly_at(double origin) {
+  stream_world w;
+  stream_world_make(&w, &(stream_world_desc){.origin = origin});
+  scree_stream_desc desc = {
+      .scene = w.scene, .view_distance = 25, .max_error_pixels = 4, .fade_seconds = 0.1f, .decode = stream_decode_pattern};
+  stream_host h;
+  host_create(&h, &desc, NULL);
+  uint64_t sum = 0;
+  for (int i = 0; i < 200; ++i) {
+    scree_view view = host_view(origin + 0.25 * i - 20, origin + 4, origin + 0.125 * i);
+    host_update(&h, &view, 1);
+    sum = hash_combine(sum, (uint64_t)h.shown_instances << 32 | h.shown_blocks);
+  }
+  scree_view view = host_view(origin + 30, origin + 4, origin + 25);
+  host_settle(&h, &view, 1, 500);
+  host_check(&h);
+  host_check_truth(&h, &view, 1, true);
+  assert_true(h.counts[SCREE_EVENT_BLOCK_IN] > 50 && h.counts[SCREE_EVENT_BLOCK_OUT] > 20);
+  host_destroy(&h);
+  stream_world_free(&w);
+  return sum;
+}
+
+static void as_much_is_shown_ten_thousand_kilometres_away(void** state) {
+  (void)state;
+  uint64_t here = fly_at(0);
+  assert_int_equal(fly_at(1e7), here);
+  assert_int_equal(fly_at(-1e7), here);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(what_is_covered_has_no_hole),
+      cmocka_unit_test(what_is_in_the_frustum_comes_first),
+      cmocka_unit_test(as_much_is_shown_ten_thousand_kilometres_away),
       cmocka_unit_test(a_far_field_covers_the_view_long_before_it_is_complete),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -54,8 +54,8 @@ typedef struct scree_stream_desc {
   scree_log log;
 } scree_stream_desc;
 
-/* Memory of a stream: 42 bytes an instance, about 1,000 a block, 128 an event, 24 for each level of each asset of each pack, for each
- * decode twice the largest mesh of the packs, and the coarsest meshes of all packs, but no more than upload_bytes;
+/* Memory of a stream: 42 bytes an instance, about 1,000 a block, 128 an event, 24 for each level of each asset of each pack, for
+ * each decode twice the largest mesh of the packs, and the coarsest meshes of all packs, but no more than upload_bytes;
  * scree_stream_memory gives the exact sum for a descriptor, 0 for a wrong one. All of it is allocated here, but for the scratch of
  * builds, which grows with the densest block.
  * Returns SCREE_OK, INVALID_ARGUMENT (also a field without a pack), RANGE, CORRUPT, CAPACITY (mesh_bytes does not hold the coarsest
@@ -72,7 +72,7 @@ typedef struct scree_view {
   float field_of_view;   /* vertical, radians, > 0 and < pi */
   float viewport_height; /* pixels, > 0 */
   const float* frustum; /* NULL, or 4 * plane_count floats a, b, c, d: inside is where a x + b y + c z + d >= 0 for all planes, with
-                           (x, y, z) relative to the position. What is outside comes after what is inside, and goes first */
+                           (x, y, z) relative to the position. What is outside comes after what is inside */
   uint32_t plane_count; /* 0..8 */
 } scree_view;
 
