@@ -40,7 +40,7 @@ static scree_result verify_tables(const scree_pack* pack) {
 
 /* Of a rock or proxy. The coarsest level is looked into, because it needs no decoder. */
 static scree_result verify_levels(const scree_pack* pack, uint32_t asset) {
-  scree_lod level;
+  scree_lod level = {0};
   for (uint32_t lod = 0; lod < pack->header->lod_count; ++lod) {
     const scree_result result = scree_pack_get_lod(pack, asset, lod, &level);
     if (result != SCREE_OK) return result;

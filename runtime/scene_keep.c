@@ -21,7 +21,7 @@ typedef struct kept_rock {
 static kept_rock place_rock(const scene_layer* layer, const scree_id* id, uint32_t asset) {
   const scree_field* field = layer->given.field;
   const field_asset* a = &field->assets[asset];
-  kept_rock rock;
+  kept_rock rock = {0};
   int64_t cell[3];
   rock_cell(field, id, cell);
   cell_centre(layer, cell, rock.home);
@@ -136,7 +136,7 @@ enum { HULLS_AT_HAND = 8 };
 /* A rock of a later layer that looks for one that it meets. */
 typedef struct seeker {
   const scene_layer* layer;
-  kept_rock rock;
+  kept_rock rock = {0};
   hull_copy hull;
   hull_copy others[HULLS_AT_HAND]; /* of rocks that were asked lately; neighbours often ask the same ones */
   const scene_layer* other_layers[HULLS_AT_HAND];

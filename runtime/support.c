@@ -412,7 +412,7 @@ bool scree_rt_support_level_bounds(const scree_support* support, double level, d
 }
 
 double scree_rt_support_lipschitz(const scree_support* support) {
-  double slope[SUPPORT_MAX_STACK];
+  double slope[SUPPORT_MAX_STACK] = {0};
   uint32_t top = 0;
   for (uint32_t i = 0; i < support->op_count; ++i) {
     const support_op* op = &support->ops[i];
