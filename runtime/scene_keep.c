@@ -136,7 +136,7 @@ enum { HULLS_AT_HAND = 8 };
 /* A rock of a later layer that looks for one that it meets. */
 typedef struct seeker {
   const scene_layer* layer;
-  kept_rock rock = {0};
+  kept_rock rock;
   hull_copy hull;
   hull_copy others[HULLS_AT_HAND]; /* of rocks that were asked lately; neighbours often ask the same ones */
   const scene_layer* other_layers[HULLS_AT_HAND];
