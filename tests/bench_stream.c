@@ -257,8 +257,8 @@ static void first_picture(const bench* b) {
   char more[300];
   snprintf(more, sizeof more,
            ", \"opening\": %.2f, \"updates\": %u, \"proxies\": %u, \"complete_ms\": %.0f, \"complete_updates\": %u, \"instances\": "
-           "%u, \"complete\": %s",
-           (opened - start) * 1e3, updates_covered, proxies, (ended - start) * 1e3, updates, stats.instances,
+           "%u, \"blocks\": %u, \"complete\": %s",
+           (opened - start) * 1e3, updates_covered, proxies, (ended - start) * 1e3, updates, stats.instances, stats.blocks,
            stats.complete ? "true" : "false");
   print_row("stream.first_picture", (covered - start) * 1e3, "ms", 100, more);
   scree_stream_destroy(stream);

@@ -28,7 +28,9 @@ typedef struct scree_stream scree_stream;
 typedef scree_result (*scree_decode_fn)(const scree_pack* pack, uint32_t asset, uint32_t lod, scree_vertex* vertices,
                                         size_t vertex_capacity, uint16_t* indices, size_t index_capacity);
 
-/* What a stream may use. 0 = the default in brackets. No cap is ever passed, not by one byte, not for one update. */
+/* What a stream may use. 0 = the default in brackets. No cap is ever passed, not by one byte, not for one update. The largest need
+ * that scree-bench-stream shows is a view of 300 m over a mountain of half-metre stones, one metre deep: some five million
+ * instances in nine thousand blocks. With the defaults the farther part of that view is drawn as proxies, without a hole. */
 typedef struct scree_stream_caps {
   uint32_t instances;    /* in blocks that are shown, those that fade in or out among them [1,048,576] */
   uint32_t blocks;       /* shown [16,384] */
