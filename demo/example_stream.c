@@ -18,7 +18,7 @@ static struct {
     uint32_t page, pages, first_index, index_count; /* vertices, behind them indices */
   } * placed;                                       /* by asset and level */
   scree_event_block shown[BLOCKS];                  /* no instances: not shown */
-  float places[BLOCKS][4];                          /* what the shader knows of them: origin relative to the eye, scale */
+  float places[BLOCKS][8];                          /* what the shader knows of them: origin relative to the eye, scale, level */
   uint32_t asset[INSTANCES];
   uint8_t level[INSTANCES];
   uint32_t draws[INSTANCES][5]; /* DrawElementsIndirectCommand */
@@ -65,6 +65,7 @@ static void draw(const double eye[3]) {
     const scree_event_block* block = &r.shown[b];
     for (int axis = 0; axis < 3; ++axis) r.places[b][axis] = (float)(block->origin[axis] - eye[axis]);
     r.places[b][3] = block->scale;
+    r.places[b][4] = (float)block->level;
     for (uint32_t i = block->first_instance; i < block->first_instance + block->instance_count; ++i) {
       const struct placed_mesh* mesh = &r.placed[r.asset[i] * r.levels + r.level[i]];
       for (uint32_t level = r.level[i] + 1u; mesh->index_count == 0 && level < r.levels; ++level) ++mesh;

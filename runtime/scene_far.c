@@ -15,10 +15,10 @@
  *   middles: there parts exist            [     ][.....][.....]     ]       crossed most steeply, the middle nearest to it
  *   that are nearest to it                [ ... ][  x  ][  x  ][  x  ]
  *
- * Thin parts lie outside, at most half a part away, and nearer than both neighbours along one axis: the axis of the largest rise of
- * the distance. Of a plane sheet that leaves one part of each column along the axis, so without holes; beside a support that is
- * thicker than a part there is none, because the next middle inwards is inside. (Asking that no neighbour at all be inside leaves
- * holes: beside each column that does have a middle inside.) They hide nothing and are never culled. */
+ * Thin parts lie outside, at most half a part away, and nearer than both neighbours along one axis: that of the largest rise of
+ * the distance, or nearly so. Of a plane sheet that leaves one part of each column along the axis, at least, so without holes;
+ * beside a support that is thicker than a part there is none, because the next middle inwards is inside. (Asking that no neighbour
+ * at all be inside leaves holes: beside each column that does have a middle inside.) They hide nothing and are never culled. */
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
@@ -123,18 +123,18 @@ static void find_middle(const far_tables* t, const double base[3], const int64_t
 
 enum { THIN_POINTS = 7, THIN_BATCH = 9 }; /* a middle, then along each axis the next and the one before */
 
+#define THIN_AXES 0.7f /* of the largest rise: enough for slopes near 45 degrees, where neighbours differ about the axis */
+
 /* Whether a part whose middle is outside is thin, by the distances at its middle and at those beside it. */
 static bool is_thin(const float d[THIN_POINTS]) {
-  uint32_t axis = 0;
-  float most = -INFINITY;
-  for (uint32_t a = 0; a < 3; ++a) {
-    float rise = d[1 + 2 * a] > d[2 + 2 * a] ? d[1 + 2 * a] : d[2 + 2 * a];
-    if (rise > most) {
-      most = rise;
-      axis = a;
-    }
+  float rise[3], most = 0;
+  for (int a = 0; a < 3; ++a) {
+    rise[a] = (d[1 + 2 * a] > d[2 + 2 * a] ? d[1 + 2 * a] : d[2 + 2 * a]) - d[0];
+    if (rise[a] > most) most = rise[a];
   }
-  return d[0] < d[1 + 2 * axis] && d[0] <= d[2 + 2 * axis];
+  bool thin = false;
+  for (int a = 0; a < 3; ++a) thin = thin || (rise[a] >= most * THIN_AXES && d[0] < d[1 + 2 * a] && d[0] <= d[2 + 2 * a]);
+  return thin;
 }
 
 /* Adds the thin parts of the cells to the parts that were found: `instances` and `ids` from `first` on. */

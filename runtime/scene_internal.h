@@ -17,10 +17,10 @@ scree_result scree_rt_scene_block(const scree_scene* scene, const scree_edits* e
  * as large: the whole tile where all eight parts exist and are alike to the support, single parts elsewhere. A part exists where
  * the support, the filters (by a hash of the part) and the shell (at least as deep as a part is wide, or surfaces would have holes)
  * say so for its middle; parts whose 26 neighbours exist are left out. Where the support is too thin for middles, parts exist too:
- * those outside by at most half a part's width (times its Lipschitz bound, if that is more than 1), whose middle is nearer than the
- * two beside it along the axis with the largest of the six neighbours' distances. Edits and overlaps are not looked at. Delivered:
- * rock.asset = proxy (scree_pack_proxy), rock.position = where the centre of the tile's cell (0, 0, 0) lies once the mesh is scaled
- * by 2^k, relative to origin; rock.id.cube = the cube at level k, rock.id.local = part. */
+ * those outside by at most half a part's width (times its Lipschitz bound, if that is more than 1), whose middle is nearer than
+ * the two beside it along an axis on which the distance rises by at least 0.7 of the most that it does on any. Edits and overlaps
+ * are not looked at. Delivered: rock.asset = proxy (scree_pack_proxy), rock.position = where the centre of the tile's cell (0, 0,
+ * 0) lies once the mesh is scaled by 2^k, relative to origin; rock.id.cube = the cube at level k, rock.id.local = part. */
 scree_result scree_rt_scene_far(const scree_scene* scene, uint32_t layer, uint32_t far_level, const int32_t cube_low[3],
                                 const int32_t cube_high[3], const double origin[3], scree_scratch* scratch,
                                 const scree_rock** proxies, uint64_t* count);
