@@ -241,11 +241,13 @@ static void add_difference(touched_box* box, const scree_layer* before, const sc
   /* Thresholds below one half let rocks exist whose centroids are this far outside. */
   double threshold = after->threshold == 0 ? 0.5 : (double)after->threshold;
   double level = fmax(0, (1 - 2 * threshold) * (double)after->field->mean_radius_max);
+  level = fmax(level, (double)after->shell_depth); /* and what lies deeper than the shell does not, whatever its depth */
   double min[3], max[3];
   if (scree_support_changed_bounds(before->support, after->support, level, min, max)) add_box(box, min, max);
 }
 
 static void touch_box(scree_stream* s, uint32_t layer, const touched_box* box, double reach) {
+  /* cppcheck-suppress uninitvar ; boxes are filled for every layer that either scene has */
   if (!(box->min[0] <= box->max[0])) return;
   double min[3], max[3];
   for (int a = 0; a < 3; ++a) {

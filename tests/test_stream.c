@@ -173,10 +173,10 @@ static void meshes_that_cannot_be_decoded_cost_levels_and_nothing_else(void** st
   (void)state;
   stream_world w;
   stream_world_make(&w, &(stream_world_desc){0});
-  const scree_decode_fn decoders[] = {stream_decode_broken, stream_decode_flaky};
   for (int k = 0; k < 2; ++k) {
     uint32_t lines = 0;
-    scree_stream_desc desc = {.scene = w.scene, .view_distance = 25, .decode = decoders[k], .log = {lost_logs, &lines}};
+    scree_stream_desc desc = {.scene = w.scene, .view_distance = 25, .log = {lost_logs, &lines}};
+    desc.decode = k == 0 ? stream_decode_broken : stream_decode_flaky;
     stream_host h;
     host_create(&h, &desc, NULL);
     scree_view view = host_view(0, 3, 0);
