@@ -70,7 +70,7 @@ found_rocks twin_query(const scree_query_desc* d, const field_source* source, co
     for (c[1] = low[1]; c[1] < high[1]; ++c[1])
       for (c[0] = low[0]; c[0] < high[0]; ++c[0]) {
         if (!in_box(d, c)) continue;
-        found_rock rock;
+        found_rock rock = {0}; /* ids of one field have layer 0 */
         uint32_t place[3];
         float at[3];
         for (int a = 0; a < 3; ++a) {
