@@ -44,7 +44,9 @@ static void read_mesh(const scree_pack* pack, uint32_t asset, uint32_t lod) {
     for (size_t i = 0; i < indices; ++i)
       if (wide[i] >= level.vertices) abort();
   scree_draco_decode_u16(pack, asset, lod, vertices, level.vertices, narrow, indices);
-  if (scree_pack_coarse_mesh(pack, asset, vertices, level.vertices, narrow, indices) == SCREE_OK)
+  scree_pack_info info;
+  scree_pack_get_info(pack, &info);
+  if (lod + 1 == info.lod_count && scree_pack_coarse_mesh(pack, asset, vertices, level.vertices, narrow, indices) == SCREE_OK)
     for (uint32_t i = 0; i < level.vertices; ++i)
       if (vertices[i].padding != 0) abort();
   free(narrow);
