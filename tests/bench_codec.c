@@ -14,39 +14,15 @@
 #include <scree/bake.h>
 #include <scree/draco.h>
 
+#define BENCH_PROGRAM "scree-bench-codec"
 #include "allocator.h"
+#include "bench.h"
 #include "bench_libdraco.h"
 #include "draco_decode.h"
 #include "draco_encode.h"
 #include "mesh_normals.h"
 
 enum { RUNS = 7, EVERY = 4, FINE_STEPS = 64, MOST_VERTICES = 1 << 18 };
-
-static double seconds(void) {
-  struct timespec t;
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-static void die(const char* what) {
-  fprintf(stderr, "scree-bench-codec: %s\n", what);
-  exit(2);
-}
-
-static void* must(void* memory) {
-  if (memory == NULL) die("out of memory");
-  return memory;
-}
-
-static int by_value(const void* a, const void* b) {
-  const double x = *(const double*)a, y = *(const double*)b;
-  return x < y ? -1 : x > y;
-}
-
-static double median(double* values, int count) {
-  qsort(values, (size_t)count, sizeof *values, by_value);
-  return values[count / 2];
-}
 
 /* --- rocks ------------------------------------------------------------------------------------------------------------------ */
 

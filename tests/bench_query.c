@@ -12,37 +12,13 @@
 
 #include <scree/pack.h>
 
+#define BENCH_PROGRAM "scree-bench-query"
+#include "bench.h"
 #include "query_kernel.h"
 #include "random_support.h"
 #include "synthetic_field.h"
 
 enum { RUNS = 15, BALL_RINGS = 100, BALL_SIDES = 200, TERRAIN = 1024 };
-
-static double seconds(void) {
-  struct timespec t;
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-static void die(const char* what) {
-  fprintf(stderr, "scree-bench-query: %s\n", what);
-  exit(2);
-}
-
-static void* must(void* memory) {
-  if (memory == NULL) die("out of memory");
-  return memory;
-}
-
-static int by_value(const void* a, const void* b) {
-  double x = *(const double*)a, y = *(const double*)b;
-  return x < y ? -1 : x > y;
-}
-
-static double median(double* values, int count) {
-  qsort(values, (size_t)count, sizeof *values, by_value);
-  return values[count / 2];
-}
 
 typedef struct bench {
   const char* prefix;

@@ -10,36 +10,12 @@
 #include <string.h>
 #include <time.h>
 
+#define BENCH_PROGRAM "scree-bench-scene"
+#include "bench.h"
 #include "scene_spatial.h"
 #include "synthetic_field.h"
 
 enum { RUNS = 9, RAYS = 1000, PLAIN_RAYS = 20, BODIES = 100, HULLS = 1000, PAIRS = 20 };
-
-static double seconds(void) {
-  struct timespec t;
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-static void die(const char* what) {
-  fprintf(stderr, "scree-bench-scene: %s\n", what);
-  exit(2);
-}
-
-static void* must(void* memory) {
-  if (memory == NULL) die("out of memory");
-  return memory;
-}
-
-static int by_value(const void* a, const void* b) {
-  double x = *(const double*)a, y = *(const double*)b;
-  return x < y ? -1 : x > y;
-}
-
-static double median(double* values, int count) {
-  qsort(values, (size_t)count, sizeof *values, by_value);
-  return values[count / 2];
-}
 
 typedef struct bench {
   const char* prefix;

@@ -19,6 +19,8 @@
 #include <string.h>
 #include <time.h>
 
+#define BENCH_PROGRAM "scree-bench-stream"
+#include "bench.h"
 #include "support_file.h"
 #include "synthetic_field.h"
 
@@ -26,26 +28,10 @@ enum { FLIGHT = 600, WARM = 60, SOAK = 20000 };
 
 static const double CELL = 0.5, SPACING = 15, ABOVE_GROUND = 30;
 
-static double seconds(clockid_t clock) {
-  struct timespec t;
-  clock_gettime(clock, &t);
-  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-static void die(const char* what) {
-  fprintf(stderr, "scree-bench-stream: %s\n", what);
-  exit(2);
-}
-
 static void check(scree_result result, const char* what) {
   if (result == SCREE_OK) return;
   fprintf(stderr, "scree-bench-stream: %s: %s\n", what, scree_result_string(result));
   exit(2);
-}
-
-static int by_value(const void* a, const void* b) {
-  double x = *(const double*)a, y = *(const double*)b;
-  return x < y ? -1 : x > y;
 }
 
 typedef struct bench {
@@ -152,15 +138,15 @@ static flight fly(const bench* b, double distance, uint32_t threads_count) {
   scree_view view = view_at(b, 0);
   settle(stream, &view, &time);
   flight f = {.covered = distance};
-  double began = seconds(CLOCK_MONOTONIC);
+  double began = clock_seconds(CLOCK_MONOTONIC);
   for (int i = -WARM; i < FLIGHT; ++i) {
     view = view_at(b, (double)(i + WARM));
     wait_until(began += 1.0 / 60);
     const scree_event* events;
     uint32_t count;
-    double start = seconds(CLOCK_THREAD_CPUTIME_ID);
+    double start = clock_seconds(CLOCK_THREAD_CPUTIME_ID);
     check(scree_stream_update(stream, &view, 1, time += 1.0 / 60, &events, &count), "update");
-    double took = seconds(CLOCK_THREAD_CPUTIME_ID) - start;
+    double took = clock_seconds(CLOCK_THREAD_CPUTIME_ID) - start;
     scree_stream_stats stats;
     scree_stream_get_stats(stream, &stats);
     if (getenv("SCREE_BENCH_VERBOSE") != NULL && i % 100 == 0)
@@ -224,7 +210,7 @@ static void run_flights(const bench* b) {
  * to all rocks. Without tasks: the caller does all the work. */
 static void first_picture(const bench* b) {
   if (!wanted(b, "stream.first_picture")) return;
-  double start = seconds(CLOCK_MONOTONIC);
+  double start = clock_seconds(CLOCK_MONOTONIC);
   scree_pack* pack;
   scree_field* field;
   scree_stream* stream;
@@ -236,7 +222,7 @@ static void first_picture(const bench* b) {
   desc.caps.instances = 8u << 20;
   desc.decode = NULL;
   check(scree_stream_create(&desc, NULL, &stream, NULL), "stream");
-  double opened = seconds(CLOCK_MONOTONIC), time = 0, covered = 0;
+  double opened = clock_seconds(CLOCK_MONOTONIC), time = 0, covered = 0;
   scree_view view = view_at(b, 700);
   uint32_t updates = 0, updates_covered = 0, proxies = 0;
   scree_stream_stats stats;
@@ -247,12 +233,12 @@ static void first_picture(const bench* b) {
     scree_stream_get_stats(stream, &stats);
     ++updates;
     if (covered == 0 && stats.covered >= desc.view_distance) {
-      covered = seconds(CLOCK_MONOTONIC);
+      covered = clock_seconds(CLOCK_MONOTONIC);
       updates_covered = updates;
       proxies = stats.proxies;
     }
   } while (!stats.complete && updates < 1000);
-  double ended = seconds(CLOCK_MONOTONIC);
+  double ended = clock_seconds(CLOCK_MONOTONIC);
   if (covered == 0) die("stream.first_picture: the view is never covered");
   char more[300];
   snprintf(more, sizeof more,
@@ -305,7 +291,7 @@ static void edit(const bench* b) {
   scree_stream_get_stats(stream, &stats);
   uint32_t updates = 0, sent = 0;
   for (int i = 0; i < 51; ++i) {
-    double start = seconds(CLOCK_THREAD_CPUTIME_ID);
+    double start = clock_seconds(CLOCK_THREAD_CPUTIME_ID);
     scree_support* moved = make_balls(support, i & 1 ? 0 : 1.5);
     scree_scene* next = make_scene(b->field, moved, 0);
     check(scree_stream_set_scene(stream, next), "set_scene");
@@ -318,7 +304,7 @@ static void edit(const bench* b) {
       scree_stream_get_stats(stream, &stats);
       ++updates;
     } while (!stats.complete && updates < 100);
-    times[i] = (seconds(CLOCK_THREAD_CPUTIME_ID) - start) * 1e3;
+    times[i] = (clock_seconds(CLOCK_THREAD_CPUTIME_ID) - start) * 1e3;
     scree_scene_destroy(scene);
     scree_support_destroy(support);
     scene = next;

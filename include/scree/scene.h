@@ -76,8 +76,8 @@ typedef struct scree_rock {
 } scree_rock;
 
 enum {
-  SCREE_SCENE_VISIBLE = 1u << 0, /* leave out what nobody can see: rocks hidden by hide, and rocks whose neighbours all exist as far
-                                    as the bake found that they hide it from every side (scree_asset.burial) */
+  SCREE_SCENE_VISIBLE = 1u << 0, /* leave out what nobody can see: rocks hidden by hide, and rocks that their neighbours hide, as
+                                    far as the bake's sample of lines of sight tells (scree_asset.burial) */
 };
 
 typedef struct scree_scene_query_desc {

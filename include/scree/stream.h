@@ -1,6 +1,6 @@
 /* A stream: which rocks, at which level of detail, a renderer has to hold for where its cameras are. Views go in, ordered events
- * come out; the host owns the GPU and does what the events say. Nothing is ever shown that the caps do not allow, and nothing is
- * missing that they do: a block of rocks appears when its coarsest meshes are there, a mesh that is late is drawn one level
+ * come out; the host owns the GPU and does what the events say. Nothing is ever shown that the caps do not allow, and within
+ * them nothing near is missing: a block of rocks appears when its coarsest meshes are there, a mesh that is late is drawn one level
  * coarser.
  *
  *   octree of each layer, in its own cubes                 what a node shows
@@ -145,9 +145,9 @@ typedef struct scree_event {
  * before the first run that draws it and goes out after the last. views: `view_count`, 0..8; with none, everything goes out. time:
  * seconds, never less than before; only fades look at it. events: valid until the next call with this stream. When a cap binds, in
  * this order: finer levels come later or not at all, the farthest first; the farthest blocks are drawn as proxies; the farthest are
- * not drawn. Returns SCREE_OK or INVALID_ARGUMENT (nothing has changed then). Bad bytes in a pack cost the mesh, not the stream:
- * the log is told once a mesh, and the coarser level stays. Not to be called from two threads at once. Allocates nothing in steady
- * state. */
+ * not drawn; what gave way comes back when the views have moved on and there is room. Returns SCREE_OK or INVALID_ARGUMENT (nothing
+ * has changed then). Bad bytes in a pack cost meshes, not the stream: the log is told once a mesh, and the rocks of its class in a
+ * block stay at the coarser level. Not to be called from two threads at once. Allocates nothing in steady state. */
 SCREE_API scree_result scree_stream_update(scree_stream* stream, const scree_view* views, uint32_t view_count, double time,
                                            const scree_event** events, uint32_t* event_count);
 
