@@ -12,6 +12,7 @@
 #include <cmocka.h>
 
 #include "bake_internal.h"
+#include "failing_allocator.h"
 
 static scree_recipe small_recipe(void) {
   scree_recipe recipe;
@@ -149,27 +150,6 @@ static void progress_never_falls_and_is_told_by_one_at_a_time(void** state) {
 
 /* --- Memory. --- */
 
-typedef struct host {
-  atomic_size_t live;
-  atomic_uint calls;
-  uint32_t fail_at; /* the number of the call that gets nothing; 0 = none */
-  bool fail_after;  /* and all calls after it */
-} host;
-
-static void* host_alloc(void* user, size_t size) {
-  host* h = user;
-  const uint32_t call = atomic_fetch_add(&h->calls, 1) + 1;
-  if (h->fail_at != 0 && (call == h->fail_at || (h->fail_after && call > h->fail_at))) return NULL;
-  void* memory = aligned_alloc(64, (size + 127) / 64 * 64);
-  if (memory != NULL) atomic_fetch_add(&h->live, size);
-  return memory;
-}
-
-static void host_release(void* user, void* memory, size_t size) {
-  atomic_fetch_sub(&((host*)user)->live, size);
-  free(memory);
-}
-
 static void a_cancelled_bake_leaves_nothing_behind(void** state) {
   (void)state;
   const scree_recipe recipe = small_recipe();
@@ -177,11 +157,11 @@ static void a_cancelled_bake_leaves_nothing_behind(void** state) {
   static const double stops[3] = {0, 0.4, 1};
   for (int i = 0; i < 6; ++i) {
     watcher w = {.stop_at = stops[i / 2]};
-    host h = {.fail_at = 0};
+    failing_allocator memory = {.fail_at = -1};
     scree_threads* pool = pool_of(threads[i % 2]);
     const scree_bake_desc desc = {.recipe = &recipe,
                                   .jobs = scree_threads_jobs(pool),
-                                  .allocator = {host_alloc, host_release, &h},
+                                  .allocator = failing_allocator_of(&memory),
                                   .progress = watch,
                                   .progress_user = &w};
     uint8_t* bytes = (uint8_t*)1;
@@ -192,19 +172,19 @@ static void a_cancelled_bake_leaves_nothing_behind(void** state) {
     if (stops[i / 2] < 1 || threads[i % 2] == 1) assert_int_equal(result, SCREE_ERROR_CANCELLED);
     if (result == SCREE_OK) scree_bake_free(&desc, bytes, size);
     if (result != SCREE_OK) assert_true(bytes == NULL && size == 0);
-    assert_int_equal(atomic_load(&h.live), 0);
+    assert_int_equal(memory.live, 0);
   }
 }
 
 /* Returns the number of allocations. */
-static uint32_t bake_with(host* h, bool proxies, scree_result* result) {
+static int bake_with(failing_allocator* memory, bool proxies, scree_result* result) {
   scree_recipe recipe = small_recipe();
   recipe.proxies = proxies;
   recipe.lod_levels = 1;
   recipe.chisel_planes = 0;
   recipe.noise = 0;
   recipe.erosion_steps = 1;
-  const scree_bake_desc desc = {.recipe = &recipe, .allocator = {host_alloc, host_release, h}};
+  const scree_bake_desc desc = {.recipe = &recipe, .allocator = failing_allocator_of(memory)};
   uint8_t* bytes = NULL;
   size_t size = 0;
   scree_bake_report report;
@@ -213,38 +193,38 @@ static uint32_t bake_with(host* h, bool proxies, scree_result* result) {
     scree_bake_free(&desc, bytes, size);
   else
     assert_true(bytes == NULL && size == 0);
-  assert_int_equal(atomic_load(&h->live), 0);
-  return atomic_load(&h->calls);
+  assert_int_equal(memory->live, 0);
+  return memory->calls;
 }
 
 static void memory_that_runs_short_anywhere_is_reported_and_given_back(void** state) {
   (void)state;
   scree_result result;
-  host all = {.fail_at = 0};
-  const uint32_t total = bake_with(&all, false, &result);
+  failing_allocator all = {.fail_at = -1};
+  const int total = bake_with(&all, false, &result);
   assert_int_equal(result, SCREE_OK);
   assert_true(total > 2000);
-  uint32_t tried = 0;
+  int tried = 0;
   /* Each of the first, where tables are made and buffers grow, alone and with all that follow; two of the many alike; and each of
    * the last, where the pack is. */
-  for (uint32_t n = 1; n <= total; n += n < 64 || n + 5 > total ? 1 : n < total / 2 ? total / 2 - n : total - 4 - n) {
+  for (int n = 1; n <= total; n += n < 64 || n + 5 > total ? 1 : n < total / 2 ? total / 2 - n : total - 4 - n) {
     for (int after = 0; after < (n <= 64 ? 2 : 1); ++after) {
-      host h = {.fail_at = n, .fail_after = after != 0};
-      bake_with(&h, false, &result);
+      failing_allocator memory = {.fail_at = n - 1, .and_later = after != 0};
+      bake_with(&memory, false, &result);
       assert_int_equal(result, SCREE_ERROR_OUT_OF_MEMORY);
     }
     ++tried;
   }
   /* And some of the proxies, which come last. */
-  host merged = {.fail_at = 0};
-  const uint32_t more = bake_with(&merged, true, &result);
+  failing_allocator merged = {.fail_at = -1};
+  const int more = bake_with(&merged, true, &result);
   assert_true(result == SCREE_OK && more > total + 2000);
-  for (uint32_t n = total; n < total + 12; n += 4) {
-    host h = {.fail_at = n};
-    bake_with(&h, true, &result);
+  for (int n = total; n < total + 12; n += 4) {
+    failing_allocator memory = {.fail_at = n - 1};
+    bake_with(&memory, true, &result);
     assert_int_equal(result, SCREE_ERROR_OUT_OF_MEMORY);
   }
-  print_message("%u of %u allocations failed in turn\n", tried, total);
+  print_message("%d of %d allocations failed in turn\n", tried, total);
   assert_true(tried > 60);
 }
 

@@ -4,6 +4,7 @@
 #include "allocator.h"
 #include "draco_decode.h"
 #include "draco_encode.h"
+#include "failing_allocator.h"
 #include "lattice.h"
 #include "make_pack.h"
 #include "mesh_digest.h"
@@ -447,29 +448,12 @@ static void blobs_that_claim_more_than_the_record_are_refused_before_memory_is_t
 }
 
 /* An allocator that fails from the n-th call on, and counts what is alive. */
-typedef struct failing {
-  int until, calls, alive;
-} failing;
-
-static void* failing_alloc(void* user, size_t size) {
-  failing* counter = user;
-  if (counter->calls++ >= counter->until) return NULL;
-  ++counter->alive;
-  return aligned_alloc(SCREE_ALIGNMENT, (size + SCREE_ALIGNMENT - 1) / SCREE_ALIGNMENT * SCREE_ALIGNMENT);
-}
-
-static void failing_release(void* user, void* memory, size_t size) {
-  (void)size;
-  --((failing*)user)->alive;
-  free(memory);
-}
-
 static void every_failed_allocation_of_the_encoder_is_reported(void** state) {
   (void)state;
-  for (int until = 0;; ++until) {
-    assert_true(until < 10);
-    failing counter = {.until = until};
-    const scree_allocator allocator = {failing_alloc, failing_release, &counter};
+  for (int32_t n = 0;; ++n) {
+    assert_true(n < 10);
+    failing_allocator memory = {.fail_at = n};
+    const scree_allocator allocator = failing_allocator_of(&memory);
     scree_vertex vertices[4];
     uint16_t indices[12];
     rock_lod level;
@@ -478,7 +462,7 @@ static void every_failed_allocation_of_the_encoder_is_reported(void** state) {
       result = scree_rt_draco_decode_blob(level.blob, level.blob_size, 4, 4, vertices, indices, 2);
       scree_rt_release(&allocator, level.blob, level.blob_size, 1);
     }
-    assert_int_equal(counter.alive, 0);
+    assert_int_equal(memory.live, 0);
     if (result == SCREE_OK) break;
     assert_int_equal(result, SCREE_ERROR_OUT_OF_MEMORY);
   }

@@ -2,8 +2,10 @@
 #include <scree/pack.h>
 
 #include "allocator.h"
+#include "failing_allocator.h"
 #include "lattice.h"
 #include "make_pack.h"
+#include "pack_bytes.h"
 #include "pack_format.h"
 #include "pack_writer.h"
 
@@ -14,25 +16,6 @@
 #include <string.h>
 
 #include <cmocka.h>
-
-static scree_pack* open_or_fail(const uint8_t* bytes, size_t size) {
-  scree_pack* pack = NULL;
-  assert_int_equal(scree_pack_open_memory(bytes, size, NULL, &pack), SCREE_OK);
-  assert_non_null(pack);
-  return pack;
-}
-
-static pack_header* header_of(uint8_t* bytes) {
-  return (pack_header*)(void*)bytes;
-}
-
-static pack_section* section_of(uint8_t* bytes, uint32_t kind) {
-  return (pack_section*)(void*)(bytes + sizeof(pack_header)) + (kind - 1);
-}
-
-static void* data_of(uint8_t* bytes, uint32_t kind) {
-  return bytes + section_of(bytes, kind)->offset;
-}
 
 static void what_is_written_is_what_is_read(void** state) {
   (void)state;
@@ -327,14 +310,6 @@ static void random_headers_and_tables_never_crash_a_reader(void** state) {
   free(bytes);
 }
 
-static scree_result open_resealed(uint8_t* bytes, size_t size) {
-  test_pack_reseal(bytes);
-  scree_pack* pack;
-  const scree_result result = scree_pack_open_memory(bytes, size, NULL, &pack);
-  scree_pack_close(pack);
-  return result;
-}
-
 static void other_magic_and_version_have_codes_of_their_own(void** state) {
   (void)state;
   size_t size;
@@ -414,15 +389,6 @@ static void records_that_cannot_be_are_refused_where_they_are_read(void** state)
   int16_t h[PACK_MAX_HULL][3];
   uint32_t x, y;
 
-#define REFUSED(field, value, call)                          \
-  do {                                                       \
-    const __typeof__(field) saved = field;                   \
-    assert_int_equal(call, SCREE_OK);                        \
-    field = value;                                           \
-    assert_int_equal(call, SCREE_ERROR_CORRUPT);             \
-    assert_int_not_equal(scree_pack_verify(pack), SCREE_OK); \
-    field = saved;                                           \
-  } while (0)
   REFUSED(asset->cell, 2, scree_pack_get_asset(pack, 0, &a));
   REFUSED(asset->seed, 1, scree_pack_get_asset(pack, 0, &a));
   REFUSED(asset->volume, -1.0f, scree_pack_get_asset(pack, 0, &a));
@@ -512,31 +478,13 @@ static void a_file_opens_as_memory_does(void** state) {
   free(bytes);
 }
 
-/* An allocator that fails from the n-th call on, and counts what is alive. */
-typedef struct failing {
-  int until, calls, alive;
-} failing;
-
-static void* failing_alloc(void* user, size_t size) {
-  failing* state = user;
-  if (state->calls++ >= state->until) return NULL;
-  ++state->alive;
-  return aligned_alloc(SCREE_ALIGNMENT, (size + SCREE_ALIGNMENT - 1) / SCREE_ALIGNMENT * SCREE_ALIGNMENT);
-}
-
-static void failing_release(void* user, void* memory, size_t size) {
-  (void)size;
-  --((failing*)user)->alive;
-  free(memory);
-}
-
 static void every_failed_allocation_of_open_and_write_is_reported(void** state) {
   (void)state;
   rock_set* set = test_rock_set_make(NULL);
-  for (int until = 0;; ++until) {
-    assert_true(until < 10);
-    failing counter = {.until = until};
-    const scree_allocator allocator = {failing_alloc, failing_release, &counter};
+  for (int32_t n = 0;; ++n) {
+    assert_true(n < 10);
+    failing_allocator memory = {.fail_at = n};
+    const scree_allocator allocator = failing_allocator_of(&memory);
     uint8_t* bytes;
     size_t size;
     scree_result result = pack_write(set, &allocator, &bytes, &size);
@@ -548,7 +496,7 @@ static void every_failed_allocation_of_open_and_write_is_reported(void** state) 
     } else {
       assert_null(bytes);
     }
-    assert_int_equal(counter.alive, 0);
+    assert_int_equal(memory.live, 0);
     if (result == SCREE_OK) break;
     assert_int_equal(result, SCREE_ERROR_OUT_OF_MEMORY);
   }

@@ -6,6 +6,7 @@
 #include "draco_encode.h"
 #include "lattice.h"
 #include "make_pack.h"
+#include "pack_bytes.h"
 #include "pack_format.h"
 #include "plain_encode.h"
 #include "plain_mesh.h"
@@ -17,43 +18,6 @@
 #include <string.h>
 
 #include <cmocka.h>
-
-static scree_pack* open_or_fail(const uint8_t* bytes, size_t size) {
-  scree_pack* pack = NULL;
-  assert_int_equal(scree_pack_open_memory(bytes, size, NULL, &pack), SCREE_OK);
-  assert_non_null(pack);
-  return pack;
-}
-
-static pack_header* header_of(uint8_t* bytes) {
-  return (pack_header*)(void*)bytes;
-}
-
-static pack_section* section_of(uint8_t* bytes, uint32_t kind) {
-  return (pack_section*)(void*)(bytes + sizeof(pack_header)) + (kind - 1);
-}
-
-static void* data_of(uint8_t* bytes, uint32_t kind) {
-  return bytes + section_of(bytes, kind)->offset;
-}
-
-static scree_result open_resealed(uint8_t* bytes, size_t size) {
-  test_pack_reseal(bytes);
-  scree_pack* pack;
-  const scree_result result = scree_pack_open_memory(bytes, size, NULL, &pack);
-  scree_pack_close(pack);
-  return result;
-}
-
-#define REFUSED(field, value, call)                          \
-  do {                                                       \
-    const __typeof__(field) saved = field;                   \
-    assert_int_equal(call, SCREE_OK);                        \
-    field = value;                                           \
-    assert_int_equal(call, SCREE_ERROR_CORRUPT);             \
-    assert_int_not_equal(scree_pack_verify(pack), SCREE_OK); \
-    field = saved;                                           \
-  } while (0)
 
 typedef struct decoded {
   scree_vertex* vertices;

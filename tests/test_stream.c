@@ -10,6 +10,7 @@
 /* after the four above */
 #include <cmocka.h>
 
+#include "failing_allocator.h"
 #include "stream_host.h"
 #include "synthetic_field.h"
 
@@ -427,45 +428,27 @@ static void a_far_field_passes_no_cap(void** state) {
   stream_world_free(&w);
 }
 
-/* Memory that is counted, of which the n-th allocation fails. */
-typedef struct counted_memory {
-  size_t bytes;
-  uint32_t allocations, fails_at; /* 0 = never */
-} counted_memory;
-
-static void* counted_alloc(void* user, size_t size) {
-  counted_memory* memory = user;
-  if (++memory->allocations == memory->fails_at) return NULL;
-  memory->bytes += size;
-  return aligned_alloc(64, (size + 63) / 64 * 64);
-}
-
-static void counted_release(void* user, void* bytes, size_t size) {
-  ((counted_memory*)user)->bytes -= size;
-  free(bytes);
-}
-
 static void memory_is_what_the_formula_says_and_does_not_grow(void** state) {
   (void)state;
   stream_world w;
   stream_world_make(&w, &(stream_world_desc){0});
-  counted_memory memory = {0, 0, 0};
-  scree_allocator allocator = {counted_alloc, counted_release, &memory};
+  failing_allocator memory = {.fail_at = -1};
+  const scree_allocator allocator = failing_allocator_of(&memory);
   scree_stream_desc desc = {.scene = w.scene, .view_distance = 25, .caps = {.builds = 7}, .decode = stream_decode_pattern};
   stream_host h;
   host_create(&h, &desc, &allocator);
-  assert_int_equal(memory.bytes, scree_stream_memory(&desc));
+  assert_int_equal(memory.live, scree_stream_memory(&desc));
   scree_view view = host_view(0, 3, 0);
   random_stream r = {3};
-  uint32_t allocations = 0;
+  int calls = 0;
   for (int i = 0; i < 6000; ++i) { /* every build has seen the densest block by then */
-    if (i == 3000) allocations = memory.allocations;
+    if (i == 3000) calls = memory.calls;
     for (int a = 0; a < 3; a += 2) view.position[a] = i % 50 ? view.position[a] + random_in(&r, -1, 1) : random_in(&r, -50, 50);
     host_update(&h, &view, 1);
   }
-  assert_int_equal(memory.allocations, allocations);
+  assert_int_equal(memory.calls, calls);
   host_destroy(&h);
-  assert_int_equal(memory.bytes, 0);
+  assert_int_equal(memory.live, 0);
   stream_world_free(&w);
 }
 
@@ -480,25 +463,25 @@ static void a_failing_allocation_costs_time_and_nothing_else(void** state) {
                             .decode = stream_decode_pattern};
   scree_view view = host_view(5, 3, 0);
   uint32_t created = 0;
-  for (uint32_t n = 1; created < 40; ++n) {
-    counted_memory memory = {0, 0, n};
-    scree_allocator allocator = {counted_alloc, counted_release, &memory};
+  for (int32_t n = 0; created < 40; ++n) {
+    failing_allocator memory = {.fail_at = n};
+    const scree_allocator allocator = failing_allocator_of(&memory);
     scree_stream* stream;
     if (scree_stream_create(&desc, &allocator, &stream, NULL) != SCREE_OK) {
       assert_null(stream);
-      assert_int_equal(memory.bytes, 0);
+      assert_int_equal(memory.live, 0);
       continue;
     }
     scree_stream_destroy(stream);
-    assert_int_equal(memory.bytes, 0);
-    memory = (counted_memory){0, 0, n};
+    assert_int_equal(memory.live, 0);
+    memory = (failing_allocator){.fail_at = n};
     stream_host h;
     host_create(&h, &desc, &allocator);
     host_settle(&h, &view, 1, 500);
     host_check_truth(&h, &view, 1, true);
-    if (memory.allocations < n) created = 40; /* nothing failed any more */
+    if (!memory.failed) created = 40; /* nothing failed any more */
     host_destroy(&h);
-    assert_int_equal(memory.bytes, 0);
+    assert_int_equal(memory.live, 0);
     ++created;
   }
   stream_world_free(&w);

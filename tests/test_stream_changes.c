@@ -10,6 +10,7 @@
 /* after the four above */
 #include <cmocka.h>
 
+#include "failing_allocator.h"
 #include "stream_host.h"
 #include "synthetic_field.h"
 
@@ -253,24 +254,6 @@ static void a_scene_that_does_not_fit_changes_nothing(void** state) {
   world_free(&w);
 }
 
-/* Memory that is counted. */
-typedef struct counted_memory {
-  size_t bytes;
-  uint64_t allocations;
-} counted_memory;
-
-static void* counted_alloc(void* user, size_t size) {
-  counted_memory* memory = user;
-  ++memory->allocations;
-  memory->bytes += size;
-  return aligned_alloc(64, (size + 63) / 64 * 64);
-}
-
-static void counted_release(void* user, void* bytes, size_t size) {
-  ((counted_memory*)user)->bytes -= size;
-  free(bytes);
-}
-
 /* Under caps that all bind; the host checks every event against them. scree-bench-stream does the same a million times. */
 static void twenty_thousand_updates_with_changes_neither_grow_nor_leak(void** state) {
   (void)state;
@@ -280,12 +263,12 @@ static void twenty_thousand_updates_with_changes_neither_grow_nor_leak(void** st
   scree_stream_desc desc = describe(&w);
   desc.caps = (scree_stream_caps){
       .instances = 3000, .blocks = 40, .mesh_bytes = 3900000, .upload_bytes = 60000, .builds = 3, .events = 120};
-  counted_memory memory = {0, 0};
-  scree_allocator allocator = {counted_alloc, counted_release, &memory};
+  failing_allocator memory = {.fail_at = -1};
+  const scree_allocator allocator = failing_allocator_of(&memory);
   stream_host h;
   host_create(&h, &desc, &allocator);
   scree_view view = host_view(0, 5, 0);
-  size_t early = 0;
+  long long early = 0;
   for (int i = 0; i < 20000; ++i) {
     if (i % 37 == 0) edit_some(&w, &h, &r);
     if (i % 501 == 0) move_ball(&w, &h, &r);
@@ -295,29 +278,12 @@ static void twenty_thousand_updates_with_changes_neither_grow_nor_leak(void** st
     }
     host_update(&h, &view, 1);
     if (i % 1000 == 0) host_check(&h);
-    if (i == 10000) early = memory.bytes;
+    if (i == 10000) early = memory.live;
   }
-  assert_true(memory.bytes <= early + early / 10); /* a build may still meet a denser block */
+  assert_true(memory.live <= early + early / 10); /* a build may still meet a denser block */
   host_destroy(&h);
-  assert_int_equal(memory.bytes, 0);
+  assert_int_equal(memory.live, 0);
   world_free(&w);
-}
-
-typedef struct failing_memory {
-  size_t bytes;
-  uint64_t allocations, fails; /* the allocation of this number; 0 = none */
-} failing_memory;
-
-static void* failing_alloc(void* user, size_t size) {
-  failing_memory* m = user;
-  if (++m->allocations == m->fails) return NULL;
-  m->bytes += size;
-  return aligned_alloc(64, (size + 63) / 64 * 64);
-}
-
-static void failing_release(void* user, void* memory, size_t size) {
-  ((failing_memory*)user)->bytes -= size;
-  free(memory);
 }
 
 /* Each allocation from set_scene on fails once: the call says so and changes nothing, or updates make up for it. */
@@ -332,9 +298,9 @@ static void a_change_of_scene_survives_every_allocation_that_fails(void** state)
   scree_view view = host_view(2, 3, 4);
   bool failed = true;
   uint32_t refused = 0;
-  for (uint64_t n = 1; failed; ++n) {
-    failing_memory memory = {0, 0, 0};
-    scree_allocator allocator = {failing_alloc, failing_release, &memory};
+  for (int32_t n = 0; failed; ++n) {
+    failing_allocator memory = {.fail_at = -1};
+    const scree_allocator allocator = failing_allocator_of(&memory);
     scree_stream_desc desc = describe(&w);
     desc.scene = small;
     desc.view_distance = 12;
@@ -342,7 +308,7 @@ static void a_change_of_scene_survives_every_allocation_that_fails(void** state)
     stream_host h;
     host_create(&h, &desc, &allocator);
     host_settle(&h, &view, 1, 500);
-    memory.fails = memory.allocations + n;
+    memory.fail_at = memory.calls + n;
     scree_result result = scree_stream_set_scene(h.stream, w.scene);
     if (result != SCREE_OK) {
       assert_int_equal(result, SCREE_ERROR_OUT_OF_MEMORY);
@@ -362,10 +328,10 @@ static void a_change_of_scene_survives_every_allocation_that_fails(void** state)
     host_settle(&h, &view, 1, 500);
     host_check(&h);
     host_check_truth(&h, &view, 1, true);
-    failed = memory.allocations >= memory.fails;
+    failed = memory.failed;
     scree_edits_clear(w.edits);
     host_destroy(&h);
-    assert_int_equal(memory.bytes, 0);
+    assert_int_equal(memory.live, 0);
   }
   assert_true(refused > 1);
   scree_scene_destroy(small);

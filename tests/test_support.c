@@ -10,25 +10,9 @@
 
 #include <cmocka.h>
 
+#include "must_create.h"
 #include "random_support.h"
 #include "support_program.h"
-
-static scree_support* must_create(const scree_support_desc* desc) {
-  scree_support* support;
-  scree_error error;
-  if (scree_support_create(desc, NULL, &support, &error) != SCREE_OK) fail_msg("%s", error.message);
-  return support;
-}
-
-static scree_support* one_shape(const scree_shape* shape) {
-  return must_create(&(scree_support_desc){.shapes = shape, .shape_count = 1});
-}
-
-static double distance_at(const scree_support* support, const double p[3]) {
-  float x = (float)p[0], y = (float)p[1], z = (float)p[2], d;
-  scree_support_distance(support, &x, &y, &z, &d, 1);
-  return (double)d;
-}
 
 static void random_point(random_stream* r, double reach, double p[3]) {
   for (int a = 0; a < 3; ++a) p[a] = (double)(float)random_in(r, -reach, reach);

@@ -11,16 +11,11 @@
 
 #include <cmocka.h>
 
+#include "failing_allocator.h"
+#include "must_create.h"
 #include "query_twin.h"
 #include "random_support.h"
 #include "support_program.h"
-
-static scree_support* must_create(const scree_support_desc* desc) {
-  scree_support* support;
-  scree_error error;
-  if (scree_support_create(desc, NULL, &support, &error) != SCREE_OK) fail_msg("%s", error.message);
-  return support;
-}
 
 /* --- changed bounds -------------------------------------------------------------------------------------------------------- */
 
@@ -144,23 +139,6 @@ static void moving_one_ball_of_many_touches_two_balls(void** state) {
 
 /* --- shared grids ---------------------------------------------------------------------------------------------------------- */
 
-typedef struct counted_memory {
-  size_t bytes; /* asked for, in all */
-  int alive;
-} counted_memory;
-
-static void* counted_alloc(void* user, size_t size) {
-  counted_memory* m = user;
-  m->bytes += size;
-  ++m->alive;
-  return aligned_alloc(64, (size + 63) / 64 * 64 + 64);
-}
-static void counted_release(void* user, void* memory, size_t size) {
-  (void)size;
-  --((counted_memory*)user)->alive;
-  free(memory);
-}
-
 typedef struct shared_scene {
   random_support ring, ground;
   uint32_t children[4];
@@ -199,9 +177,8 @@ static void equal_grids_are_shared_and_outlive_their_maker(void** state) {
   static shared_scene s;
   random_stream r = {4};
   make_shared(&s);
-  counted_memory first_memory = {0, 0}, second_memory = {0, 0};
-  const scree_allocator first = {counted_alloc, counted_release, &first_memory};
-  const scree_allocator second = {counted_alloc, counted_release, &second_memory};
+  failing_allocator first_memory = {.fail_at = -1}, second_memory = {.fail_at = -1};
+  const scree_allocator first = failing_allocator_of(&first_memory), second = failing_allocator_of(&second_memory);
   for (int order = 0; order < 2; ++order) {
     scree_support *a, *b, *alone;
     s.desc.reuse = NULL;
@@ -210,11 +187,11 @@ static void equal_grids_are_shared_and_outlive_their_maker(void** state) {
     s.shapes[1].transform.translation[1] += 1;
     s.shapes[2].heightfield.above += 0.5f; /* of the layer, not of the grid */
     s.desc.reuse = a;
-    second_memory.bytes = 0;
+    second_memory.asked = 0;
     assert_int_equal(scree_support_create(&s.desc, &second, &b, NULL), SCREE_OK);
     assert_ptr_equal(a->meshes[0], b->meshes[0]);
     assert_ptr_equal(a->heights[0], b->heights[0]);
-    assert_true(second_memory.bytes < 8192);
+    assert_true(second_memory.asked < 8192);
     s.desc.reuse = NULL;
     alone = must_create(&s.desc);
     assert_same_distances(b, alone, &r);
@@ -222,8 +199,8 @@ static void equal_grids_are_shared_and_outlive_their_maker(void** state) {
     if (order == 0) assert_same_distances(b, alone, &r);
     scree_support_destroy(order == 0 ? b : a);
     scree_support_destroy(alone);
-    assert_int_equal(first_memory.alive, 0);
-    assert_int_equal(second_memory.alive, 0);
+    assert_int_equal(first_memory.live, 0);
+    assert_int_equal(second_memory.live, 0);
   }
 }
 

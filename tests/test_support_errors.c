@@ -9,6 +9,7 @@
 
 #include <cmocka.h>
 
+#include "failing_allocator.h"
 #include "random_support.h"
 #include "support_program.h"
 #include "support_text.h"
@@ -290,24 +291,6 @@ static void broken_trees_and_callbacks_are_refused(void** state) {
 
 /* --- memory ---------------------------------------------------------------------------------------------------------------- */
 
-typedef struct short_memory {
-  int left; /* allocations that will still work */
-  int alive;
-} short_memory;
-
-static void* short_alloc(void* user, size_t size) {
-  short_memory* m = user;
-  if (m->left-- <= 0) return NULL;
-  ++m->alive;
-  return aligned_alloc(64, (size + 63) / 64 * 64 + 64);
-}
-
-static void short_release(void* user, void* memory, size_t size) {
-  (void)size;
-  --((short_memory*)user)->alive;
-  free(memory);
-}
-
 /* Each allocation fails once; nothing is left behind, and in the end it works. */
 static void creating_survives_every_failed_allocation(void** state) {
   (void)state;
@@ -335,15 +318,15 @@ static void creating_survives_every_failed_allocation(void** state) {
     scree_result result = SCREE_ERROR_OUT_OF_MEMORY;
     int n = 0;
     for (; result != SCREE_OK; ++n) {
-      short_memory memory = {n, 0};
-      scree_allocator allocator = {short_alloc, short_release, &memory};
+      failing_allocator memory = {.fail_at = n};
+      const scree_allocator allocator = failing_allocator_of(&memory);
       scree_support* support = NULL;
       scree_field* field = NULL;
       scree_error error;
       result = what != 1 ? scree_support_create(&desc, &allocator, &support, &error)
                          : scree_rt_field_create_from_source(&field_desc, &source.source, &allocator, &field);
       if (result == SCREE_OK) {
-        assert_true(memory.alive > 0);
+        assert_true(memory.live > 0);
       } else {
         assert_int_equal(result, SCREE_ERROR_OUT_OF_MEMORY);
         assert_true(support == NULL && field == NULL);
@@ -351,7 +334,7 @@ static void creating_survives_every_failed_allocation(void** state) {
       }
       scree_support_destroy(support);
       scree_field_destroy(field);
-      assert_int_equal(memory.alive, 0);
+      assert_int_equal(memory.live, 0);
     }
     assert_true(n > 3);
   }
