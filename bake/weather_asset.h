@@ -1,0 +1,67 @@
+/* A weathered shape as an asset: levels of detail on an integer lattice, mass, convex hulls, footprint. What recipes of hoodoos
+ * hand to the pack writer; the surfaces come from scree_mesher_update.
+ *
+ * Lattice: x and z from the middle of the grid's footprint, y from the ground, lattice_per_voxel steps to a voxel; it does not
+ * depend on what the weather left, so all ages and variants of one grid fit over each other. */
+#ifndef SCREE_WEATHER_ASSET_H
+#define SCREE_WEATHER_ASSET_H
+
+#include <scree/weather.h>
+
+#include "rock_set.h"
+
+enum {
+  WEATHER_MAX_PARTS = 8,
+  WEATHER_MAX_PART_HULL = 32,
+  WEATHER_MAX_VERTICES = 65536 /* of a level: what 16-bit indices reach */
+};
+
+typedef struct weather_lod {
+  lattice_mesh mesh;       /* triangles of rock first, then those of colluvium; error in voxels; closed, manifold, none flat */
+  uint32_t rock_triangles; /* of mesh.triangle_count */
+  uint32_t level;          /* of scree_mesher_update that it was made from */
+  /* One a vertex, as mesh.positions and mesh.occlusion. */
+  uint8_t* material;   /* scree_surface_vertex.material */
+  uint8_t* layer;      /* scree_surface_vertex.layer */
+  uint8_t* durability; /* 255 * d / (1 + d): 128 = durability 1 */
+  uint8_t* curvature;  /* 128 + 127 * curvature */
+} weather_lod;
+
+/* A convex part: vertices first .. first + count - 1 of part_vertices. */
+typedef struct weather_part {
+  uint32_t first, count; /* 4..WEATHER_MAX_PART_HULL */
+  float volume;          /* of its hull, cubic voxels */
+} weather_part;
+
+typedef struct weather_asset {
+  uint32_t lattice_per_voxel;
+  uint32_t lod_count;
+  weather_lod lods[ROCK_MAX_LODS]; /* finest first; one that would be too coarse repeats the one before it */
+
+  /* Of lods[0]. Lattice steps; the rest in voxels. Positions are relative to the lattice's origin. */
+  int16_t bounds_min[3], bounds_max[3];
+  float centroid[3], volume;
+  float inner_radius, outer_radius;     /* balls around the centroid: inside the shape, and around it */
+  float footprint[2], footprint_radius; /* x, z and radius of a circle on the ground that holds all that stands on it */
+
+  /* Convex hulls: one over all, and the parts that fit closer where the shape is not convex. part_count = 1: the hull is right. */
+  int16_t hull[ROCK_MAX_HULL][3]; /* lattice steps */
+  uint32_t hull_count;            /* 4..ROCK_MAX_HULL */
+  weather_part parts[WEATHER_MAX_PARTS];
+  uint32_t part_count; /* 1..WEATHER_MAX_PARTS; from the ground up */
+  int16_t part_vertices[WEATHER_MAX_PARTS * WEATHER_MAX_PART_HULL][3];
+  float hull_air, parts_air; /* share of the volume of the hull, and of the sum of the parts, that is not rock */
+} weather_asset;
+
+/* The finest lattice, a power of two up to 64 steps a voxel, that a grid of this size fits on; 0 if none does. */
+uint32_t weather_lattice(const uint32_t size[3]);
+
+/* Makes an asset of what stands now. mesher: of a simulation on a grid of `size` voxels. lattice_per_voxel: 1..weather_lattice.
+ * lods: 1..ROCK_MAX_LODS levels; the first is made from the finest level of the mesher that keeps to WEATHER_MAX_VERTICES.
+ * allocator: for the arrays of `out`. Returns SCREE_OK, INVALID_ARGUMENT (nothing stands, or it does not fit), or OUT_OF_MEMORY;
+ * unless it is SCREE_OK, nothing of `out` is held. */
+scree_result weather_asset_make(scree_mesher* mesher, const uint32_t size[3], uint32_t lattice_per_voxel, uint32_t lods,
+                                const scree_allocator* allocator, weather_asset* out);
+void weather_asset_destroy(weather_asset* asset, const scree_allocator* allocator); /* all zero is allowed */
+
+#endif
