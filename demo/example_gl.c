@@ -5,20 +5,13 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "example_program.h"
 #include "example_shaders.h"
 
 void check(bool good, const char* what) {
   if (good) return;
   fprintf(stderr, "scree-example: %s\n", what);
   exit(1);
-}
-
-static void add_shader(GLuint program, GLenum kind, const char* text) {
-  const GLuint shader = glCreateShader(kind);
-  glShaderSource(shader, 1, &text, NULL);
-  glCompileShader(shader);
-  glAttachShader(program, shader);
-  glDeleteShader(shader);
 }
 
 GLFWwindow* open_window(int width, int height) {
@@ -29,19 +22,8 @@ GLFWwindow* open_window(int width, int height) {
   GLFWwindow* window = glfwCreateWindow(width, height, "scree-example", NULL, NULL);
   check(window != NULL, "no window with OpenGL 4.5");
   glfwMakeContextCurrent(window);
-  const GLuint program = glCreateProgram();
-  add_shader(program, GL_VERTEX_SHADER, shader_example_vert);
-  add_shader(program, GL_FRAGMENT_SHADER, shader_example_frag);
-  glLinkProgram(program);
-  GLint linked;
   char log[1024] = "";
-  glGetProgramiv(program, GL_LINK_STATUS, &linked);
-  glGetProgramInfoLog(program, sizeof log, NULL, log);
-  check(linked, log);
-  glUseProgram(program);
-  GLuint vertex_array;
-  glGenVertexArrays(1, &vertex_array);
-  glBindVertexArray(vertex_array);
+  check(use_example_program(shader_example_vert, log, sizeof log) != 0, log);
   glEnable(GL_DEPTH_TEST);
   glEnable(GL_CULL_FACE);
   glClearColor(0.62f, 0.73f, 0.85f, 1);

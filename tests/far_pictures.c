@@ -15,6 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "example_program.h"
 #include "example_shaders.h"
 #include "headless.h"
 
@@ -74,15 +75,7 @@ typedef struct picture {
   uint32_t levels[16]; /* instances by the level of their block */
 } picture;
 
-static GLuint program, frame, targets[2], buffers[4]; /* meshes, instances, blocks, indirect */
-
-static void add_shader(GLenum kind, const char* text) {
-  const GLuint shader = glCreateShader(kind);
-  glShaderSource(shader, 1, &text, NULL);
-  glCompileShader(shader);
-  glAttachShader(program, shader);
-  glDeleteShader(shader);
-}
+static GLuint frame, targets[2], buffers[4]; /* meshes, instances, blocks, indirect */
 
 static void prepare(void) {
   char* vertex = malloc(strlen(shader_example_vert) + 1);
@@ -91,20 +84,9 @@ static void prepare(void) {
   char* haze = strstr(vertex, "/ 250.0");
   check(haze != NULL, "example.vert has no haze of 250 m");
   memcpy(haze, "/ 1e9  ", 7);
-  program = glCreateProgram();
-  add_shader(GL_VERTEX_SHADER, vertex);
-  add_shader(GL_FRAGMENT_SHADER, shader_example_frag);
-  glLinkProgram(program);
-  GLint linked;
   char log[1024] = "";
-  glGetProgramiv(program, GL_LINK_STATUS, &linked);
-  glGetProgramInfoLog(program, sizeof log, NULL, log);
-  check(linked, log);
+  check(use_example_program(vertex, log, sizeof log) != 0, log);
   free(vertex);
-  glUseProgram(program);
-  GLuint array;
-  glGenVertexArrays(1, &array);
-  glBindVertexArray(array);
   const int w = given.width * SAMPLES, h = given.height * SAMPLES;
   glCreateTextures(GL_TEXTURE_2D, 2, targets);
   glTextureStorage2D(targets[0], 1, GL_RGBA8, w, h);
