@@ -33,8 +33,8 @@ void scree_rt_scene_cubes_box(const scree_scene* scene, uint32_t layer, uint32_t
  * support's bounds. */
 bool scree_rt_scene_may_hold(const scree_scene* scene, uint32_t layer, const double min[3], const double max[3]);
 
-/* How far, in metres, a rock can matter to others: edits and changes of the support at one place can change what is drawn within
- * this distance (burial, radii of rocks). */
+/* How far, in metres along each axis, a rock can matter to others: a change of the supports in a box can change what is drawn of the
+ * layer in that box grown by as much, and nowhere else (burial, radii of rocks). */
 double scree_rt_scene_reach(const scree_scene* scene, uint32_t layer);
 
 #endif

@@ -529,6 +529,8 @@ double scree_rt_scene_reach(const scree_scene* scene, uint32_t layer) {
   double reach = own->reach;
   for (uint32_t k = 0; k < scene->layer_count; ++k)
     if (scene->layers[k].reach > reach) reach = scene->layers[k].reach;
-  /* Burial looks at cells whose rocks may be dropped by others that change. */
-  return 2 * reach * (double)(layer + 1) + ((double)own->given.field->deepest_burial + 1) * own->given.field->cell_size * 1.7320508;
+  /* A rock's cell is within `reach` of where the support decides about it; each earlier layer may hand on what changes by another
+   * two radii; burial looks so many cells along each axis, half a cell of which lies in the rock's own. */
+  double burial = (double)own->given.field->deepest_burial * own->given.field->cell_size;
+  return own->reach + 2 * reach * (double)layer + burial;
 }

@@ -265,10 +265,9 @@ scree_result scree_stream_set_scene(scree_stream* s, const scree_scene* scene) {
   if (result != SCREE_OK) return result;
   scree_rt_stream_tasks_wait(s);
   const scree_scene* old = s->scene;
-  double reach = 0; /* of the layers before and after */
-  for (uint32_t i = 0; i < s->layer_count; ++i) reach = fmax(reach, s->layers[i].reach);
   uint32_t before = s->layer_count, after = scree_scene_layer_count(scene);
   uint64_t kept = 0;
+  double reach[STREAM_LAYERS];      /* in the scene before */
   touched_box boxes[STREAM_LAYERS]; /* of what changes up to each layer: later ones give way to earlier ones */
   touched_box box = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
   for (uint32_t i = 0; i < before || i < after; ++i) {
@@ -276,6 +275,7 @@ scree_result scree_stream_set_scene(scree_stream* s, const scree_scene* scene) {
     const scree_layer* b = i < after ? scree_scene_layer(scene, i) : NULL;
     if (a != NULL && b != NULL && a->key == b->key && a->field == b->field) {
       kept |= UINT64_C(1) << i;
+      reach[i] = s->layers[i].reach;
       add_difference(&box, a, b);
     } else {
       if (a != NULL) add_support(&box, a->support);
@@ -287,9 +287,8 @@ scree_result scree_stream_set_scene(scree_stream* s, const scree_scene* scene) {
   if (result != SCREE_OK) return result;
   s->desc.scene = scene;
   ++s->touch;
-  for (uint32_t i = 0; i < after; ++i) reach = fmax(reach, s->layers[i].reach);
   for (uint32_t i = 0; i < after; ++i)
-    if (kept >> i & 1) touch_box(s, i, &boxes[i], reach);
+    if (kept >> i & 1) touch_box(s, i, &boxes[i], fmax(reach[i], s->layers[i].reach));
   return SCREE_OK;
 }
 

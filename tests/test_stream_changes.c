@@ -11,6 +11,8 @@
 #include <cmocka.h>
 
 #include "failing_allocator.h"
+#include "scene_internal.h"
+#include "scene_layers.h"
 #include "stream_host.h"
 #include "synthetic_field.h"
 
@@ -228,6 +230,87 @@ static void an_edit_sends_only_the_blocks_it_touches(void** state) {
   world_free(&w);
 }
 
+static scree_rock* visible_rocks(const scree_scene* scene, uint64_t* count) {
+  scree_scratch* scratch;
+  assert_int_equal(scree_scratch_create(NULL, &scratch), SCREE_OK);
+  scree_scene_query_desc query = {.scene = scene, .flags = SCREE_SCENE_VISIBLE};
+  assert_int_equal(scree_scene_count(&query, scratch, count), SCREE_OK);
+  scree_rock* rocks = malloc((*count + 1) * sizeof *rocks);
+  assert_int_equal(scree_scene_fill(&query, scratch, rocks, *count, count), SCREE_OK);
+  scree_scratch_destroy(scratch);
+  return rocks;
+}
+
+static int by_id(const void* a, const void* b) {
+  return memcmp(&((const scree_rock*)a)->id, &((const scree_rock*)b)->id, sizeof(scree_id));
+}
+
+/* How far the cell of a rock is from a box, along the axis on which that is most. */
+static double cell_away(const changing_world* w, const scree_rock* rock, const double low[3], const double high[3]) {
+  const scree_field* field = w->fields[rock->id.layer - 1];
+  int64_t cell[3];
+  double away = 0;
+  rock_cell(field, &rock->id, cell);
+  for (int a = 0; a < 3; ++a) {
+    double from = field->origin[a] + field->cell_size * ((double)cell[a] - 0.5);
+    away = fmax(away, fmax(low[a] - from - field->cell_size, from - high[a]));
+  }
+  return away;
+}
+
+/* A ball that moves inside another, as a hole in a layer or as rocks of their own: what is visible changes within
+ * scree_rt_scene_reach of it, and not within much less. */
+static void what_changes_is_within_reach(void** state) {
+  (void)state;
+  static const uint32_t two[] = {1, 2};
+  double farthest = 0; /* share of the reach, in the layer that changes */
+  for (uint32_t round = 0; round < 24; ++round) {
+    random_stream r = {round};
+    changing_world w;
+    world_make(&w, &r);
+    w.layer_count = round % 2 ? 1 : LAYERS;
+    for (uint32_t k = 0; k < LAYERS; ++k) {
+      scree_shape_kind kind = k == 0 ? SCREE_SHAPE_DIFFERENCE : SCREE_SHAPE_UNION;
+      w.shapes[k][0] = (scree_shape){.kind = kind, .group = {two, 2, 0}};
+      w.shapes[k][1] = (scree_shape){.kind = SCREE_SHAPE_SPHERE, .sphere = {11}};
+      w.shapes[k][2].sphere.radius = k == 0 ? 1.5f : 2;
+      for (int a = 0; a < 3; ++a) w.shapes[k][2].transform.translation[a] = (float)random_in(&r, -6, 6);
+      scree_support_destroy(w.supports[k]);
+      scree_support_desc desc = {.shapes = w.shapes[k], .shape_count = 3};
+      assert_int_equal(scree_support_create(&desc, NULL, &w.supports[k], NULL), SCREE_OK);
+    }
+    scree_scene *was = make_scene(&w), *is;
+    scree_support* old = w.supports[0];
+    double low[3], high[3];
+    for (int a = 0; a < 3; ++a) {
+      float *at = &w.shapes[0][2].transform.translation[a], before = *at, radius = w.shapes[0][2].sphere.radius;
+      *at += (float)random_in(&r, -0.5, 0.5);
+      low[a] = (double)(fminf(before, *at) - radius);
+      high[a] = (double)(fmaxf(before, *at) + radius);
+    }
+    scree_support_desc desc = {.shapes = w.shapes[0], .shape_count = 3};
+    assert_int_equal(scree_support_create(&desc, NULL, &w.supports[0], NULL), SCREE_OK);
+    is = make_scene(&w);
+    uint64_t counts[2];
+    scree_rock* rocks[2] = {visible_rocks(was, &counts[0]), visible_rocks(is, &counts[1])};
+    for (int k = 0; k < 2; ++k) qsort(rocks[k], counts[k], sizeof *rocks[k], by_id);
+    for (int k = 0; k < 2; ++k)
+      for (uint64_t i = 0; i < counts[k]; ++i) {
+        if (bsearch(&rocks[k][i], rocks[1 - k], counts[1 - k], sizeof **rocks, by_id) != NULL) continue;
+        uint32_t layer = rocks[k][i].id.layer - 1u;
+        double share = cell_away(&w, &rocks[k][i], low, high) / scree_rt_scene_reach(is, layer);
+        assert_true(share <= 1);
+        if (layer == 0) farthest = fmax(farthest, share);
+      }
+    for (int k = 0; k < 2; ++k) free(rocks[k]);
+    scree_scene_destroy(was);
+    scree_scene_destroy(is);
+    scree_support_destroy(old);
+    world_free(&w);
+  }
+  assert_true(farthest > 0.6);
+}
+
 static void a_scene_that_does_not_fit_changes_nothing(void** state) {
   (void)state;
   random_stream r = {31};
@@ -344,6 +427,7 @@ int main(void) {
       cmocka_unit_test(layers_come_and_go),
       cmocka_unit_test(a_change_of_scene_survives_every_allocation_that_fails),
       cmocka_unit_test(an_edit_sends_only_the_blocks_it_touches),
+      cmocka_unit_test(what_changes_is_within_reach),
       cmocka_unit_test(a_scene_that_does_not_fit_changes_nothing),
       cmocka_unit_test(twenty_thousand_updates_with_changes_neither_grow_nor_leak),
   };
