@@ -69,6 +69,7 @@ typedef struct stream_pack {
   uint32_t levels;
   uint32_t first_mesh, first_asset;                  /* in the tables of meshes and of classes */
   float error[2][STREAM_CLASSES][STREAM_LEVELS];     /* cells, of rocks and of proxies; never less at a coarser level */
+  float far_error;                                   /* cells, of what is drawn as proxies */
   float low[3], high[3];                             /* how far rocks reach from the centre of their home cells, cells */
   float lattice[2];                                  /* cells a lattice step: of rocks, of proxies */
   uint32_t absent[2][STREAM_CLASSES][STREAM_LEVELS]; /* meshes of a class and level that cannot be drawn */

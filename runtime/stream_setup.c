@@ -88,56 +88,75 @@ static scree_result measure_pack(const scree_pack* pack, const scree_stream_caps
   return SCREE_OK;
 }
 
-enum { HISTOGRAM = 1024 };
+/* Levels change at few distances: errors of classes are rounded up to a row of values, each so many times the one below it. */
+static const double ERROR_STEP = 1.25;
 
-typedef struct class_count {
-  float largest;
-  uint32_t count[HISTOGRAM];
-} class_count;
-
-static float error_sum(const scree_pack* pack, const stream_pack* p, uint32_t asset) {
-  float sum = 0;
-  for (uint32_t level = 0; level < p->levels; ++level) {
-    scree_lod lod;
-    if (scree_pack_get_lod(pack, asset, level, &lod) == SCREE_OK) sum += lod.error;
-  }
-  return sum;
+static float error_of(const scree_pack* pack, uint32_t asset, uint32_t level) {
+  scree_lod lod;
+  return scree_pack_get_lod(pack, asset, level, &lod) == SCREE_OK ? lod.error : 0;
 }
 
-static uint32_t histogram_bin(const class_count* c, float sum) {
-  if (!(c->largest > 0)) return 0;
-  uint32_t bin = (uint32_t)(sum / c->largest * HISTOGRAM);
-  return bin < HISTOGRAM ? bin : HISTOGRAM - 1;
+/* How much the errors of an asset's levels are above the mean ones, at worst. */
+static double badness(const stream_pack* p, uint32_t asset, const double mean[STREAM_LEVELS]) {
+  double worst = 0;
+  for (uint32_t level = 0; level < p->levels; ++level)
+    if (mean[level] > 0) worst = fmax(worst, (double)error_of(p->pack, asset, level) / mean[level]);
+  return worst;
 }
 
-/* Sorts the assets from first to end - 1 into classes of about the same size, by the sum of the errors of their levels. */
+/* Sorts the assets from first to end - 1 into classes of about the same errors: class 0 are those that are at most one step better
+ * than the worst, and so on; the last are all others. */
 static void make_classes(stream_pack* p, uint8_t* classes, uint32_t first, uint32_t end, int kind) {
-  class_count c;
-  memset(&c, 0, sizeof c);
-  for (uint32_t i = first; i < end; ++i) c.largest = fmaxf(c.largest, error_sum(p->pack, p, i));
-  for (uint32_t i = first; i < end; ++i) ++c.count[histogram_bin(&c, error_sum(p->pack, p, i))];
-  uint8_t class_of_bin[HISTOGRAM];
-  uint64_t before = 0;
-  for (uint32_t bin = 0; bin < HISTOGRAM; ++bin) {
-    uint64_t middle = before + c.count[bin] / 2;
-    class_of_bin[bin] = (uint8_t)(end > first ? middle * STREAM_CLASSES / (end - first) : 0);
-    if (class_of_bin[bin] >= STREAM_CLASSES) class_of_bin[bin] = STREAM_CLASSES - 1;
-    before += c.count[bin];
-  }
-  for (uint32_t i = first; i < end; ++i) {
-    uint8_t class = class_of_bin[histogram_bin(&c, error_sum(p->pack, p, i))];
-    classes[i] = class;
-    for (uint32_t level = 0; level < p->levels; ++level) ++p->absent[kind][class][level];
+  double mean[STREAM_LEVELS] = {0}, worst = 0, base = 0;
+  for (uint32_t i = first; i < end; ++i)
     for (uint32_t level = 0; level < p->levels; ++level) {
-      scree_lod lod;
-      if (scree_pack_get_lod(p->pack, i, level, &lod) != SCREE_OK) continue;
+      mean[level] += (double)error_of(p->pack, i, level) / (end - first);
+      base = fmax(base, (double)error_of(p->pack, i, level));
+    }
+  for (uint32_t i = first; i < end; ++i) worst = fmax(worst, badness(p, i, mean));
+  for (uint32_t i = first; i < end; ++i) {
+    double better = badness(p, i, mean) * ERROR_STEP;
+    uint8_t class = 0;
+    for (; class < STREAM_CLASSES - 1 && better <= worst; better *= ERROR_STEP) ++class;
+    classes[i] = class;
+    for (uint32_t level = 0; level < p->levels; ++level) {
       float* error = &p->error[kind][class][level];
-      if (lod.error > *error) *error = lod.error;
+      *error = fmaxf(*error, error_of(p->pack, i, level));
+      ++p->absent[kind][class][level];
     }
   }
   for (uint32_t class = 0; class < STREAM_CLASSES; ++class)
-    for (uint32_t level = 1; level < p->levels; ++level)
-      p->error[kind][class][level] = fmaxf(p->error[kind][class][level], p->error[kind][class][level - 1]);
+    for (uint32_t level = 0; level < p->levels; ++level) {
+      float* error = &p->error[kind][class][level];
+      if (level > 0) *error = fmaxf(*error, error[-1]);
+      double value = base;
+      while (*error > 0 && value / ERROR_STEP >= (double)*error) value /= ERROR_STEP;
+      if (*error > 0) *error = fmaxf(*error, (float)value);
+    }
+}
+
+enum { HISTOGRAM = 1024 };
+
+static float error_sum(const stream_pack* p, uint32_t asset) {
+  float sum = 0;
+  for (uint32_t level = 0; level < p->levels; ++level) sum += error_of(p->pack, asset, level);
+  return sum;
+}
+
+/* The error of seven in eight proxies, cells; the worst, by the sums of their levels, shall not push the whole far field away. */
+static float far_error(const stream_pack* p) {
+  uint32_t count[HISTOGRAM] = {0}, total = p->total - p->assets;
+  float largest = 0, error = 0, any = 0;
+  for (uint32_t i = p->assets; i < p->total; ++i) largest = fmaxf(largest, error_sum(p, i));
+  float scale = largest > 0 ? (HISTOGRAM - 1) / largest : 0;
+  for (uint32_t i = p->assets; i < p->total; ++i) ++count[(uint32_t)(error_sum(p, i) * scale)];
+  uint32_t last = 0;
+  for (uint64_t before = 0; last < HISTOGRAM && (before + count[last] / 2) * 8 < (uint64_t)total * 7; ++last) before += count[last];
+  for (uint32_t i = p->assets; i < p->total; ++i) {
+    any = fmaxf(any, error_of(p->pack, i, 0));
+    if ((uint32_t)(error_sum(p, i) * scale) < last) error = fmaxf(error, error_of(p->pack, i, 0));
+  }
+  return error > 0 ? error : fmaxf(any, 0.5f); /* where the pack does not say */
 }
 
 static scree_result fill_pack(scree_stream* s, stream_pack* p, stream_mesh* meshes, uint8_t* classes) {
@@ -156,6 +175,7 @@ static scree_result fill_pack(scree_stream* s, stream_pack* p, stream_mesh* mesh
     }
   make_classes(p, classes + p->first_asset, 0, p->assets, 0);
   make_classes(p, classes + p->first_asset, p->assets, p->total, 1);
+  p->far_error = far_error(p);
   for (int a = 0; a < 3; ++a) p->low[a] = p->high[a] = 0;
   for (uint32_t asset = 0; asset < p->assets; ++asset) {
     scree_asset record;

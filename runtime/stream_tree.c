@@ -82,11 +82,8 @@ static bool is_out_of_sight(const scree_stream* s, const double low[3], const do
 /* Scaled distance nearer than which a node is split. */
 static double split_distance(const scree_stream* s, const stream_layer* layer, uint32_t level) {
   const stream_pack* pack = &s->packs[layer->pack];
-  float error = 0; /* of the last class but one: a few odd parts shall not push the whole far field away */
-  for (uint32_t c = 0; c < STREAM_CLASSES - 1; ++c) error = fmaxf(error, pack->error[1][c][0]);
-  if (!(error > 0)) error = fmaxf(pack->error[1][STREAM_CLASSES - 1][0], 0.5f); /* cells; where the pack does not say */
   /* Parts, half a cube wide, exist or not: surfaces lie a quarter of that off on average. */
-  error = fmaxf(error, (float)layer->field->cells_per_cube * 0.125f);
+  float error = fmaxf(pack->far_error, (float)layer->field->cells_per_cube * 0.125f);
   double metres = (double)error * (double)layer->cell * (double)(1u << (level - 1));
   return metres * s->pixels / ((double)s->desc.max_error_pixels * s->split_scale);
 }

@@ -126,6 +126,41 @@ static void a_far_field_covers_the_view_long_before_it_is_complete(void** state)
   stream_world_free(&w);
 }
 
+static void levels_change_at_few_distances(void** state) {
+  (void)state;
+  stream_world w;
+  stream_world_make(&w, &(stream_world_desc){.proxies = true, .levels = 4});
+  scree_stream_desc desc = {.scene = w.scene, .view_distance = 20, .decode = stream_decode_pattern};
+  scree_stream* s;
+  assert_int_equal(scree_stream_create(&desc, NULL, &s, NULL), SCREE_OK);
+  const stream_pack* p = &s->packs[0];
+  uint32_t used = 0;
+  for (uint32_t kind = 0; kind < 2; ++kind) {
+    float largest[STREAM_CLASSES][STREAM_LEVELS] = {{0}}, base = 0;
+    for (uint32_t i = kind ? p->assets : 0; i < (kind ? p->total : p->assets); ++i)
+      for (uint32_t level = 0; level < p->levels; ++level) {
+        scree_lod lod;
+        assert_int_equal(scree_pack_get_lod(w.pack, i, level, &lod), SCREE_OK);
+        float* most = &largest[s->classes[p->first_asset + i]][level];
+        *most = fmaxf(*most, lod.error);
+        base = fmaxf(base, lod.error);
+      }
+    for (uint32_t class = 0; class < STREAM_CLASSES; ++class)
+      for (uint32_t level = 0; level < p->levels; ++level) {
+        float error = p->error[kind][class][level];
+        if (level > 0) largest[class][level] = fmaxf(largest[class][level], largest[class][level - 1]);
+        assert_true(error >= largest[class][level] && error <= largest[class][level] * 1.250001f);
+        if (error == 0) continue;
+        double steps = log((double)base / (double)error) / log(1.25);
+        assert_true(fabs(steps - round(steps)) < 1e-4);
+        used += class > 0;
+      }
+  }
+  assert_true(used > 8);
+  scree_stream_destroy(s);
+  stream_world_free(&w);
+}
+
 /* Rocks in blocks that the half-space of a plane meets, and in those that lie wholly outside. */
 static void count_sides(const stream_host* h, const float plane[4], const scree_view* view, uint32_t sides[2]) {
   sides[0] = sides[1] = 0;
@@ -201,6 +236,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(what_is_covered_has_no_hole),
       cmocka_unit_test(what_is_in_the_frustum_comes_first),
+      cmocka_unit_test(levels_change_at_few_distances),
       cmocka_unit_test(as_much_is_shown_ten_thousand_kilometres_away),
       cmocka_unit_test(a_far_field_covers_the_view_long_before_it_is_complete),
   };

@@ -12,8 +12,8 @@
  * A node is replaced by its children where its error on the screen, that of seven in eight proxies of the pack but at least an
  * eighth of their cube's width, is more than max_error_pixels. Levels of rocks follow the same rule: the coarsest level whose
  * error, seen from the nearest point of the rock's block, is at most max_error_pixels; to go back to a coarser one the error has to
- * be below max_error_pixels / (1 + hysteresis). The error of a level is the largest among the rocks of its class: those of a pack
- * fall into eight by their errors. */
+ * be below max_error_pixels / (1 + hysteresis). The error of a level is the largest among the rocks of its class, rounded up by at
+ * most a quarter: those of a pack fall into eight by their errors, and all of them change levels at the same few distances. */
 #ifndef SCREE_STREAM_H
 #define SCREE_STREAM_H
 
