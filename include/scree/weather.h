@@ -29,13 +29,13 @@ typedef struct scree_weather scree_weather;
 
 /* One point of the durability graph: durability is linear between points, that of the nearest point beyond them. The noise of the
  * segment from this point up to the next multiplies durability by 1 + amplitude * noise, where noise is two octaves of Perlin's
- * gradient noise, at most 1 in size nearly everywhere; never below 1/16 of the graph. */
+ * gradient noise, clamped to -1..1; never below 1/16 of the graph. The noise is kept in steps of 1/127. */
 typedef struct scree_durability_point {
   double altitude;        /* 0..1, not below that of the point before */
   double durability;      /* > 0, <= 1e6; 1 = the rock that steps_per_voxel speaks of */
   double noise_amplitude; /* 0..4 */
-  double noise_period;    /* voxels, >= 1; 0 = 16 */
-  double noise_squash;    /* >= 0.1: how much shorter the period is along y, for beds; 0 = 1 */
+  double noise_period;    /* voxels, 1..1e6; 0 = 16 */
+  double noise_squash;    /* 0.1..100: how much shorter the period is along y, for beds; 0 = 1 */
 } scree_durability_point;
 
 typedef enum scree_bubble_kind {
@@ -47,8 +47,8 @@ typedef enum scree_bubble_kind {
 
 typedef struct scree_bubble {
   scree_bubble_kind kind;
-  double radius; /* 1..12 */
-  double height; /* ELLIPSOID: 1..12; otherwise not looked at */
+  double radius; /* 1..12, at most the longest side of the grid */
+  double height; /* ELLIPSOID: as radius; otherwise not looked at */
 } scree_bubble;
 
 /* One segment of the bubble graph, from its altitude up to that of the next: which bubble its voxels look through. Of a mixture
@@ -94,7 +94,7 @@ typedef struct scree_weather_rules {
   double exposure;             /* e, 0..2: the rate is multiplied by k^e; 0 = the papers' rule, 0.6 makes a cube a sphere */
   double steps_per_voxel;      /* L, 1..1e4: see scree_curve_kind */
   double colluvium_share;      /* of removed voxels of rock that become colluvium, 0..1; by a hash of the place and the step */
-  double colluvium_durability; /* of colluvium, as a share of the durability graph where it lies, > 0 */
+  double colluvium_durability; /* of colluvium, as a share of the durability graph, noise apart, where it lies; > 0, <= 1e6 */
   double repose;               /* tangent of the angle of repose, 1/16..4 */
   scree_rockfall rockfall;
 } scree_weather_rules;

@@ -1,0 +1,172 @@
+#include "weather_counts.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "lattice.h"
+#include "weather_kernels.h"
+#include "weather_noise.h"
+
+enum { NOISE_DURABILITY = 1, NOISE_MIXTURE = 2 }; /* what keys of noise are made of */
+
+static void slab_of(const scree_weather* w, uint32_t slab, uint32_t* low, uint32_t* high) {
+  *low = slab * WEATHER_BRICK;
+  *high = w->size[2] - *low < WEATHER_BRICK ? w->size[2] : *low + WEATHER_BRICK;
+}
+
+/* --- noise ------------------------------------------------------------------------------------------------------------------- */
+
+static void fill_mixture_slab(void* context, uint32_t slab, uint32_t worker) {
+  (void)worker;
+  const scree_weather* w = context;
+  uint32_t low, high;
+  slab_of(w, slab, &low, &high);
+  for (uint32_t z = low; z < high; ++z)
+    for (uint32_t y = 0; y < w->size[1]; ++y) {
+      const weather_layer* layer = &w->tables->layers[y];
+      const size_t row = weather_row(w, (int32_t)y, (int32_t)z);
+      for (int bit = 0; bit < 2; ++bit) memset(w->mixture[bit] + row, 0, w->words * sizeof(uint64_t));
+      if (layer->bubble_count == 1) continue;
+      const double frequency = 1 / layer->mixture_period;
+      const weather_noise noise = {hash_combine(w->seed, NOISE_MIXTURE), frequency, frequency};
+      for (uint32_t x = 0; x < w->size[0]; x += 64) {
+        float values[64];
+        const uint32_t count = w->size[0] - x < 64 ? w->size[0] - x : 64;
+        weather_noise_row(&noise, (int32_t)x, (int32_t)y, (int32_t)z, count, values);
+        for (uint32_t i = 0; i < count; ++i) {
+          uint32_t which = (uint32_t)((values[i] + 1) * 0.5f * (float)layer->bubble_count);
+          if (which >= layer->bubble_count) which = layer->bubble_count - 1u;
+          for (int bit = 0; bit < 2; ++bit) w->mixture[bit][row + x / 64] |= (uint64_t)(which >> bit & 1) << i;
+        }
+      }
+    }
+}
+
+void weather_fill_mixture(const scree_weather* w) {
+  weather_parallel(w, w->bricks[2], fill_mixture_slab, (void*)(uintptr_t)w);
+}
+
+static void fill_noise_slab(void* context, uint32_t slab, uint32_t worker) {
+  (void)worker;
+  const scree_weather* w = context;
+  uint32_t low, high;
+  slab_of(w, slab, &low, &high);
+  for (uint32_t z = low; z < high; ++z)
+    for (uint32_t y = 0; y < w->size[1]; ++y) {
+      const weather_layer* layer = &w->tables->layers[y];
+      const scree_durability_point* point = &w->tables->points[layer->point];
+      const size_t row = weather_row(w, (int32_t)y, (int32_t)z);
+      const double frequency = 1 / point->noise_period;
+      const weather_noise noise = {hash_combine(w->seed, NOISE_DURABILITY), frequency, frequency * point->noise_squash};
+      for (uint32_t x = 0; x < w->size[0]; x += 64) {
+        if (w->rock[row + x / 64] == 0) continue;
+        float values[64] = {0};
+        const uint32_t count = w->size[0] - x < 64 ? w->size[0] - x : 64;
+        if (layer->amplitude > 0) weather_noise_row(&noise, (int32_t)x, (int32_t)y, (int32_t)z, count, values);
+        int8_t* to = w->noise + weather_at(w, x, y, z);
+        for (uint32_t i = 0; i < count; ++i) to[i] = (int8_t)floorf(values[i] * 127 + 0.5f);
+      }
+    }
+}
+
+void weather_fill_noise(const scree_weather* w) {
+  weather_parallel(w, w->bricks[2], fill_noise_slab, (void*)(uintptr_t)w);
+}
+
+/* --- counts ------------------------------------------------------------------------------------------------------------------ */
+
+/* Air in a bubble whose middle is in layer y when all of the grid is air. */
+static uint16_t empty_count(const weather_bubble* b, uint32_t y) {
+  uint32_t count = b->volume;
+  for (int32_t dy = -WEATHER_MARGIN; dy + (int32_t)y < 0; ++dy)
+    for (int32_t dz = 0; dz < WEATHER_REACH; ++dz)
+      count -= (uint32_t)(2 * b->half[dz][dy + WEATHER_MARGIN] + 1) & ~(uint32_t) - (b->half[dz][dy + WEATHER_MARGIN] < 0);
+  return (uint16_t)count;
+}
+
+static void clear_slab(void* context, uint32_t slab, uint32_t worker) {
+  (void)worker;
+  scree_weather* w = context;
+  uint32_t low, high;
+  slab_of(w, slab, &low, &high);
+  for (uint32_t y = 0; y < w->size[1]; ++y) {
+    const weather_layer* layer = &w->tables->layers[y];
+    uint16_t empty[4] = {0};
+    for (uint32_t k = 0; k < layer->bubble_count; ++k) empty[k] = empty_count(&w->tables->bubbles[layer->bubbles[k]], y);
+    for (uint32_t z = low; z < high; ++z) {
+      uint16_t* to = w->counts + w->count_row * y + w->count_plane * z;
+      const size_t row = weather_row(w, (int32_t)y, (int32_t)z);
+      memset(w->solid + row, 0, w->words * sizeof(uint64_t));
+      *weather_row_flag(w, y, z) = 1;
+      for (uint32_t x = 0; x < w->size[0]; ++x) {
+        const uint32_t which = layer->bubble_count == 1 ? 0
+                                                        : (uint32_t)weather_bit(w->mixture[0], row, x) +
+                                                              2 * (uint32_t)weather_bit(w->mixture[1], row, x);
+        to[x] = empty[which];
+      }
+    }
+  }
+}
+
+void weather_clear_counts(scree_weather* w) {
+  weather_parallel(w, w->bricks[2], clear_slab, w);
+}
+
+/* Runs of set bits of one word, scattered. */
+static void scatter_word(const scree_weather* w, const weather_kernels* kernels, uint64_t word, uint32_t x, uint32_t y, uint32_t z,
+                         uint32_t low, uint32_t high, int32_t sign) {
+  while (word != 0) {
+    const uint32_t first = (uint32_t)__builtin_ctzll(word);
+    const uint64_t rest = ~(word >> first);
+    const uint32_t length = rest == 0 ? 64 : (uint32_t)__builtin_ctzll(rest);
+    kernels->scatter(w, x + first, length, (int32_t)y, (int32_t)z, (int32_t)low, (int32_t)high, sign);
+    if (first + length >= 64) return;
+    word &= ~(uint64_t)0 << (first + length);
+  }
+}
+
+/* Each slab takes what reaches its own planes, from its neighbours' changes too, so that no two write the same counts. */
+static void scatter_slab(void* context, uint32_t slab, uint32_t worker) {
+  (void)worker;
+  const scree_weather* w = context;
+  const weather_kernels* kernels = weather_kernels_choose();
+  uint32_t low, high;
+  slab_of(w, slab, &low, &high);
+  const uint32_t reach = (uint32_t)w->tables->reach;
+  const uint32_t first = low > reach ? low - reach : 0, end = w->size[2] - high > reach ? high + reach : w->size[2];
+  for (uint32_t z = first; z < end; ++z)
+    for (uint32_t y = 0; y < w->size[1]; ++y) {
+      if (*weather_row_flag(w, y, z) == 0) continue;
+      const size_t row = weather_row(w, (int32_t)y, (int32_t)z);
+      for (uint32_t i = 0; i < w->words; ++i) {
+        const uint64_t now = w->rock[row + i] | w->colluvium[row + i], before = w->solid[row + i];
+        if (now == before) continue;
+        scatter_word(w, kernels, before & ~now, i * 64, y, z, low, high, 1);
+        scatter_word(w, kernels, now & ~before, i * 64, y, z, low, high, -1);
+      }
+    }
+}
+
+static void settle_slab(void* context, uint32_t slab, uint32_t worker) {
+  (void)worker;
+  scree_weather* w = context;
+  uint32_t low, high;
+  slab_of(w, slab, &low, &high);
+  for (uint32_t z = low; z < high; ++z)
+    for (uint32_t y = 0; y < w->size[1]; ++y) {
+      if (*weather_row_flag(w, y, z) == 0) continue;
+      *weather_row_flag(w, y, z) = 0;
+      const size_t row = weather_row(w, (int32_t)y, (int32_t)z);
+      for (uint32_t i = 0; i < w->words; ++i) {
+        const uint64_t now = w->rock[row + i] | w->colluvium[row + i], changed = now ^ w->solid[row + i];
+        w->solid[row + i] = now;
+        for (uint32_t x = 0; changed != 0 && x < 64; x += WEATHER_BRICK)
+          if ((changed >> x & 0xffff) != 0) w->stamps[weather_brick(w, i * 64 + x, y, z)] = w->change;
+      }
+    }
+}
+
+void weather_update_counts(scree_weather* w) {
+  weather_parallel(w, w->bricks[2], scatter_slab, w);
+  weather_parallel(w, w->bricks[2], settle_slab, w);
+}
