@@ -182,8 +182,13 @@ scree_result bake_rock(bake_run* bake, bake_worker* worker, uint32_t cell, uint3
   worker->mesh_seconds += now - start;
   for (uint32_t level = 0; level < recipe->lod_levels && result == SCREE_OK; ++level) {
     const mesh_buffer* mesh = &worker->mesher.meshes[level];
-    const lattice_mesh source = {mesh->positions,    mesh->occlusion,       mesh->indices,
-                                 mesh->vertex_count, mesh->index_count / 3, worker->mesher.errors[level]};
+    const lattice_mesh source = {mesh->positions,
+                                 mesh->occlusion,
+                                 mesh->indices,
+                                 mesh->vertex_count,
+                                 mesh->index_count / 3,
+                                 worker->mesher.errors[level],
+                                 NULL};
     const bool coarsest = level + 1 == recipe->lod_levels;
     result = (coarsest ? plain_encode : draco_encode)(&source, &bake->allocator, &out->lods[level]);
     out->lods[level].error = source.error;
@@ -262,7 +267,7 @@ static uint32_t mean_occlusion(const set_bake* set) {
     const rock_lod* level = &set->rocks[slot].lods[set->bake->recipe.lod_levels - 1];
     plain_mesh mesh;
     if (level->blob == NULL ||
-        !scree_rt_plain_mesh_read(level->blob, level->blob_size, level->vertex_count, level->triangle_count, &mesh))
+        !scree_rt_plain_mesh_read(level->blob, level->blob_size, level->vertex_count, level->triangle_count, false, &mesh))
       continue;
     for (uint32_t v = 0; v < mesh.vertex_count; ++v) sum += mesh.occlusion[v];
     vertices += mesh.vertex_count;

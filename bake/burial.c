@@ -193,7 +193,7 @@ static uint32_t gather_points(const bake_run* bake, const rock_record* rock, con
                               int32_t (*points)[3]) {
   const rock_lod* coarsest = &rock->lods[bake->recipe.lod_levels - 1];
   plain_mesh mesh;
-  scree_rt_plain_mesh_read(coarsest->blob, coarsest->blob_size, coarsest->vertex_count, coarsest->triangle_count, &mesh);
+  scree_rt_plain_mesh_read(coarsest->blob, coarsest->blob_size, coarsest->vertex_count, coarsest->triangle_count, false, &mesh);
   uint32_t count = 0;
   const uint32_t total = rock->hull_count + mesh.vertex_count, skip = (total + MOST_POINTS - 1) / MOST_POINTS;
   const int64_t per_voxel = (int64_t)bake->recipe.lattice_steps * mask_step(bake->seeds.voxels);

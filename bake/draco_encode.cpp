@@ -48,7 +48,8 @@ bool triangles_are_sound(const lattice_mesh& mesh) {
   return true;
 }
 
-// Positions with the occlusion's levels as fourth component, or, when a measurement asks for it, apart from it or without.
+// Positions with the occlusion's levels as fourth component, and what the surfaces of models have beside them; or, when a
+// measurement asks for it, apart from it or without.
 void add_vertices(const draco_encode_options& options, const lattice_mesh& mesh, const std::vector<uint8_t>& levels,
                   draco::Mesh* out) {
   const bool together = options.occlusion_bits > 0 && !options.occlusion_apart;
@@ -60,6 +61,8 @@ void add_vertices(const draco_encode_options& options, const lattice_mesh& mesh,
     if (together) values.push_back(levels[i]);
   }
   add_attribute(out, draco::GeometryAttribute::POSITION, draco::DT_INT16, components, values.data(), mesh.vertex_count);
+  if (mesh.surface != nullptr)
+    add_attribute(out, draco::GeometryAttribute::GENERIC, draco::DT_UINT8, 4, mesh.surface, mesh.vertex_count);
   if (options.occlusion_bits > 0 && options.occlusion_apart)
     add_attribute(out, draco::GeometryAttribute::GENERIC, draco::DT_UINT8, 1, levels.data(), mesh.vertex_count);
 }
@@ -104,7 +107,11 @@ scree_result encode(const draco_encode_options& options, const lattice_mesh& mes
   out->blob_size = static_cast<uint32_t>(buffer.size());
   out->vertex_count = static_cast<uint32_t>(encoder.num_encoded_points());
   out->triangle_count = static_cast<uint32_t>(encoder.num_encoded_faces());
-  out->digest = scree_rt_mesh_digest(mesh.positions, sizeof *mesh.positions, values.data(), 1, mesh.indices, mesh.triangle_count);
+  const size_t stride = sizeof *mesh.positions;
+  if (mesh.surface != nullptr)
+    out->digest = scree_rt_model_digest(mesh.positions, stride, values.data(), mesh.surface, mesh.indices, mesh.triangle_count);
+  else
+    out->digest = scree_rt_mesh_digest(mesh.positions, stride, values.data(), 1, mesh.indices, mesh.triangle_count);
   return SCREE_OK;
 }
 

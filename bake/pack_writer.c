@@ -11,6 +11,7 @@ typedef struct pack_layout {
   pack_section sections[PACK_SECTION_KINDS];
   uint32_t* blob_offsets; /* of every level, in units; levels with the same bytes share a blob */
   bool narrow_contacts, narrow_hulls;
+  uint32_t kinds; /* of sections */
   uint64_t file_size;
   uint32_t max_rocks_per_cell;
   float max_radius;
@@ -21,8 +22,8 @@ static uint64_t round_up(uint64_t value, uint64_t unit) {
 }
 
 static scree_result place_sections(const uint64_t elements[PACK_SECTION_KINDS], pack_layout* layout) {
-  uint64_t end = sizeof(pack_header) + PACK_SECTION_KINDS * sizeof(pack_section);
-  for (uint32_t i = 0; i < PACK_SECTION_KINDS; ++i) {
+  uint64_t end = sizeof(pack_header) + layout->kinds * sizeof(pack_section);
+  for (uint32_t i = 0; i < layout->kinds; ++i) {
     pack_section* section = &layout->sections[i];
     section->kind = i + 1;
     const bool narrow = section->kind == PACK_CONTACTS ? layout->narrow_contacts : layout->narrow_hulls;
@@ -36,12 +37,14 @@ static scree_result place_sections(const uint64_t elements[PACK_SECTION_KINDS], 
 }
 
 static scree_result check_cells(const rock_set* set, pack_layout* layout) {
-  if (set->cells_per_cube < 1 || set->cells_per_cube > PACK_MAX_CELLS_PER_CUBE) return SCREE_ERROR_RANGE;
+  if (set->models == NULL && (set->cells_per_cube < 1 || set->cells_per_cube > PACK_MAX_CELLS_PER_CUBE)) return SCREE_ERROR_RANGE;
+  if (set->models != NULL && (set->cells_per_cube != 0 || set->proxies != NULL)) return SCREE_ERROR_INVALID_ARGUMENT;
   if (set->lattice_per_cell < 1 || set->lattice_per_cell > PACK_MAX_LATTICE_PER_CELL) return SCREE_ERROR_RANGE;
   if (set->proxy_per_cell > PACK_MAX_LATTICE_PER_CELL) return SCREE_ERROR_RANGE;
   if ((set->proxies != NULL) != (set->proxy_per_cell > 0)) return SCREE_ERROR_INVALID_ARGUMENT;
   if (set->lod_count < 1 || set->lod_count > ROCK_MAX_LODS) return SCREE_ERROR_RANGE;
-  if (set->rock_count < 1 || set->cell_count != scree_rt_lattice_cell_count(set->cells_per_cube))
+  if (set->rock_count < 1 || set->cell_count < 1) return SCREE_ERROR_INVALID_ARGUMENT;
+  if (set->models == NULL && set->cell_count != scree_rt_lattice_cell_count(set->cells_per_cube))
     return SCREE_ERROR_INVALID_ARGUMENT;
   if (set->cell_first[0] != 0 || set->cell_first[set->cell_count] != set->rock_count) return SCREE_ERROR_INVALID_ARGUMENT;
   for (uint32_t cell = 0; cell < set->cell_count; ++cell) {
@@ -55,6 +58,7 @@ static scree_result check_cells(const rock_set* set, pack_layout* layout) {
       if (rock->seed >= PACK_MAX_ROCKS_PER_CELL) return SCREE_ERROR_RANGE;
       next = rock->seed + 1;
     }
+    if (set->models != NULL && (rocks < 1 || next != rocks)) return SCREE_ERROR_INVALID_ARGUMENT; /* ages have no gaps */
     if (next > layout->max_rocks_per_cell) layout->max_rocks_per_cell = next;
   }
   return SCREE_OK;
@@ -66,8 +70,27 @@ static bool fits_byte(const int16_t p[3]) {
   return fits;
 }
 
-/* elements: of contacts, hulls. */
-static scree_result count_records(const rock_set* set, pack_layout* layout, uint64_t* contacts, uint64_t* hull_vertices) {
+static scree_result count_parts(const rock_record* rock, const model_record* model, pack_layout* layout, uint64_t* parts,
+                                uint64_t* hull_vertices) {
+  if (rock->contact_count > 0 || rock->burial != SCREE_BURIAL_NEVER) return SCREE_ERROR_INVALID_ARGUMENT;
+  if (rock->outer_radius > PACK_MAX_MODEL_REACH) return SCREE_ERROR_RANGE;
+  if (model->part_count < 1 || model->part_count > PACK_MAX_PARTS) return SCREE_ERROR_RANGE;
+  if (!(model->footprint >= 0 && model->footprint <= PACK_MAX_MODEL_REACH)) return SCREE_ERROR_INVALID_ARGUMENT;
+  if (!(model->height >= 0 && model->height <= PACK_MAX_MODEL_REACH)) return SCREE_ERROR_INVALID_ARGUMENT;
+  if (!(model->share >= 0 && model->share <= 1) || model->part_first[0] != 0) return SCREE_ERROR_INVALID_ARGUMENT;
+  for (uint32_t p = 0; p < model->part_count; ++p) {
+    const uint32_t first = model->part_first[p], end = model->part_first[p + 1];
+    if (end < first || end - first < PACK_MIN_HULL || end - first > PACK_MAX_HULL) return SCREE_ERROR_INVALID_ARGUMENT;
+    for (uint32_t k = first; k < end; ++k) layout->narrow_hulls &= fits_byte(model->parts[k]);
+  }
+  *parts += model->part_count;
+  *hull_vertices += model->part_first[model->part_count];
+  return SCREE_OK;
+}
+
+/* elements: of contacts, hulls with those of parts, parts. */
+static scree_result count_records(const rock_set* set, pack_layout* layout, uint64_t* contacts, uint64_t* hull_vertices,
+                                  uint64_t* parts) {
   layout->narrow_contacts = layout->narrow_hulls = true;
   for (uint32_t i = 0; i < set->rock_count; ++i) {
     const rock_record* rock = &set->rocks[i];
@@ -82,8 +105,11 @@ static scree_result count_records(const rock_set* set, pack_layout* layout, uint
     for (uint32_t k = 0; k < rock->hull_count; ++k) layout->narrow_hulls &= fits_byte(rock->hull[k]);
     *contacts += rock->contact_count;
     *hull_vertices += rock->hull_count;
+    if (set->models == NULL) continue;
+    const scree_result result = count_parts(rock, &set->models[i], layout, parts, hull_vertices);
+    if (result != SCREE_OK) return result;
   }
-  return *contacts <= UINT32_MAX && *hull_vertices <= UINT32_MAX ? SCREE_OK : SCREE_ERROR_RANGE;
+  return *contacts <= UINT32_MAX && *hull_vertices <= UINT32_MAX && *parts < UINT32_MAX ? SCREE_OK : SCREE_ERROR_RANGE;
 }
 
 /* Levels of all rocks and then of all proxies. */
@@ -103,6 +129,7 @@ static scree_result place_blobs(const rock_set* set, uint32_t* slots, size_t slo
   for (size_t i = 0; i < level_count(set); ++i) {
     const rock_lod* level = level_at(set, i);
     if (level->triangle_count < 1) return SCREE_ERROR_INVALID_ARGUMENT;
+    if (set->models != NULL && level->vertex_count > PACK_MAX_MODEL_VERTICES) return SCREE_ERROR_RANGE;
     if (level->triangle_count > (uint64_t)level->blob_size * PACK_MAX_TRIANGLES_PER_BLOB_BYTE) return SCREE_ERROR_RANGE;
 
     size_t slot = (size_t)hash_mix(level->digest + level->blob_size) & (slot_count - 1);
@@ -124,9 +151,10 @@ static scree_result place_blobs(const rock_set* set, uint32_t* slots, size_t slo
 }
 
 static scree_result measure(const rock_set* set, const scree_allocator* allocator, pack_layout* layout) {
-  uint64_t contacts = 0, hull_vertices = 0, blob_bytes = 0;
+  uint64_t contacts = 0, hull_vertices = 0, parts = 0, blob_bytes = 0;
+  layout->kinds = set->models != NULL ? PACK_SECTION_KINDS : PACK_TILE_KINDS;
   scree_result result = check_cells(set, layout);
-  if (result == SCREE_OK) result = count_records(set, layout, &contacts, &hull_vertices);
+  if (result == SCREE_OK) result = count_records(set, layout, &contacts, &hull_vertices, &parts);
   if (result != SCREE_OK) return result;
 
   const uint64_t n = set->cells_per_cube, levels = level_count(set);
@@ -140,9 +168,17 @@ static scree_result measure(const rock_set* set, const scree_allocator* allocato
   scree_rt_release(allocator, slots, slot_count, sizeof *slots);
   if (result != SCREE_OK) return result;
   const uint64_t elements[PACK_SECTION_KINDS] = {
-      strlen(set->recipe) + 1, 256 * n * n * n, set->cell_count + UINT64_C(1),
-      set->rock_count,         levels,          contacts,
-      hull_vertices,           levels,          blob_bytes,
+      strlen(set->recipe) + 1,
+      256 * n * n * n,
+      set->cell_count + UINT64_C(1),
+      set->rock_count,
+      levels,
+      contacts,
+      hull_vertices,
+      levels,
+      blob_bytes,
+      parts + 1,
+      set->rock_count,
   };
   return place_sections(elements, layout);
 }
@@ -212,6 +248,30 @@ static void write_rocks(const rock_set* set, const pack_layout* layout, uint8_t*
   }
 }
 
+/* Behind the hulls of all assets. */
+static void write_models(const rock_set* set, const pack_layout* layout, uint8_t* bytes) {
+  uint32_t* ends = (uint32_t*)(void*)(bytes + layout->sections[PACK_PARTS - 1].offset);
+  pack_model* models = (pack_model*)(void*)(bytes + layout->sections[PACK_MODELS - 1].offset);
+  uint8_t* hulls = bytes + layout->sections[PACK_HULLS - 1].offset;
+  uint32_t part = 0, vertex = 0;
+  for (uint32_t i = 0; i < set->rock_count; ++i) vertex += set->rocks[i].hull_count;
+  for (uint32_t i = 0; i < set->rock_count; ++i) {
+    const model_record* from = &set->models[i];
+    models[i] = (pack_model){.footprint = from->footprint,
+                             .height = from->height,
+                             .share = from->share,
+                             .steps = from->steps,
+                             .first_part = part,
+                             .part_count = from->part_count};
+    for (uint32_t p = 0; p < from->part_count; ++p) {
+      ends[part++] = vertex;
+      for (uint32_t k = from->part_first[p]; k < from->part_first[p + 1]; ++k)
+        write_hull_vertex(from->parts[k], layout->narrow_hulls, hulls, vertex++);
+    }
+  }
+  ends[part] = vertex;
+}
+
 static void write_levels(const rock_set* set, const pack_layout* layout, uint8_t* bytes) {
   pack_lod* lods = (pack_lod*)(void*)(bytes + layout->sections[PACK_LODS - 1].offset);
   pack_blob* index = (pack_blob*)(void*)(bytes + layout->sections[PACK_BLOB_INDEX - 1].offset);
@@ -225,19 +285,21 @@ static void write_levels(const rock_set* set, const pack_layout* layout, uint8_t
 }
 
 static void seal(const rock_set* set, pack_layout* layout, uint8_t* bytes) {
-  const pack_section* sections[PACK_SECTION_KINDS];
-  for (uint32_t i = 0; i < PACK_SECTION_KINDS; ++i) {
+  const pack_section* sections[PACK_SECTION_KINDS] = {NULL};
+  const size_t table_size = layout->kinds * sizeof(pack_section);
+  for (uint32_t i = 0; i < layout->kinds; ++i) {
     pack_section* section = &layout->sections[i];
     section->digest = scree_rt_pack_bytes_digest(bytes + section->offset, (size_t)section->size);
     sections[i] = section;
   }
-  memcpy(bytes + sizeof(pack_header), layout->sections, sizeof layout->sections);
+  memcpy(bytes + sizeof(pack_header), layout->sections, table_size);
   pack_header header = {
       .format_version = PACK_FORMAT_VERSION,
-      .section_count = PACK_SECTION_KINDS,
+      .section_count = layout->kinds,
       .file_size = layout->file_size,
-      .table_digest = scree_rt_pack_bytes_digest(layout->sections, sizeof layout->sections),
-      .cells_per_cube = set->cells_per_cube,
+      .table_digest = scree_rt_pack_bytes_digest(layout->sections, table_size),
+      .cells_per_cube = (uint8_t)set->cells_per_cube,
+      .kind = set->models != NULL ? SCREE_PACK_MODELS : SCREE_PACK_TILES,
       .lattice_per_cell = (uint16_t)set->lattice_per_cell,
       .proxy_per_cell = (uint16_t)set->proxy_per_cell,
       .lod_count = set->lod_count,
@@ -260,6 +322,7 @@ static scree_result write(const rock_set* set, const scree_allocator* allocator,
   write_tiles(set, (uint32_t*)(void*)(pack + layout->sections[PACK_TILES - 1].offset));
   memcpy(pack + layout->sections[PACK_CELLS - 1].offset, set->cell_first, (size_t)layout->sections[PACK_CELLS - 1].size);
   write_rocks(set, layout, pack);
+  if (set->models != NULL) write_models(set, layout, pack);
   write_levels(set, layout, pack);
   seal(set, layout, pack);
   *bytes = pack;

@@ -37,7 +37,8 @@ scree_result plain_encode(const lattice_mesh* mesh, const scree_allocator* given
   for (int axis = 0; axis < 3; ++axis) narrow &= high[axis] - low[axis] <= UINT8_MAX;
   const uint32_t position_size = narrow ? 1 : 2, index_size = mesh->vertex_count <= 256 ? 1 : 2;
 
-  const uint32_t size = PLAIN_MESH_HEAD + mesh->vertex_count * (3 * position_size + 1) + mesh->triangle_count * 3 * index_size;
+  const uint32_t vertex_size = 3 * position_size + 1 + (mesh->surface != NULL ? (uint32_t)sizeof *mesh->surface : 0);
+  const uint32_t size = PLAIN_MESH_HEAD + mesh->vertex_count * vertex_size + mesh->triangle_count * 3 * index_size;
   uint8_t* blob = scree_rt_allocate(&allocator, size, 1);
   if (blob == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
   memcpy(blob, low, sizeof low);
@@ -48,13 +49,21 @@ scree_result plain_encode(const lattice_mesh* mesh, const scree_allocator* given
     for (int axis = 0; axis < 3; ++axis) at = put(at, position_size, (uint32_t)(mesh->positions[v][axis] - low[axis]));
   memcpy(at, mesh->occlusion, mesh->vertex_count);
   at += mesh->vertex_count;
+  if (mesh->surface != NULL) {
+    memcpy(at, mesh->surface, mesh->vertex_count * sizeof *mesh->surface);
+    at += mesh->vertex_count * sizeof *mesh->surface;
+  }
   for (size_t i = 0; i < (size_t)mesh->triangle_count * 3; ++i) at = put(at, index_size, mesh->indices[i]);
 
   out->blob = blob;
   out->blob_size = size;
   out->vertex_count = mesh->vertex_count;
   out->triangle_count = mesh->triangle_count;
-  out->digest =
-      scree_rt_mesh_digest(mesh->positions, sizeof *mesh->positions, mesh->occlusion, 1, mesh->indices, mesh->triangle_count);
+  const size_t stride = sizeof *mesh->positions;
+  if (mesh->surface != NULL)
+    out->digest = scree_rt_model_digest(mesh->positions, stride, mesh->occlusion, (const uint8_t(*)[4])mesh->surface, mesh->indices,
+                                        mesh->triangle_count);
+  else
+    out->digest = scree_rt_mesh_digest(mesh->positions, stride, mesh->occlusion, 1, mesh->indices, mesh->triangle_count);
   return SCREE_OK;
 }

@@ -1,4 +1,4 @@
-/* What the baker hands to the pack writer: all unique rocks, in order, meshes already encoded. */
+/* What the baker hands to the pack writer: all unique rocks, or all models, in order, meshes already encoded. */
 #ifndef SCREE_ROCK_SET_H
 #define SCREE_ROCK_SET_H
 
@@ -16,6 +16,8 @@ typedef struct lattice_mesh {
   uint32_t vertex_count;
   uint32_t triangle_count;
   float error; /* cells */
+  /* Of models, NULL for rocks: material, durability, curvature + 128 and 0 of each vertex, see scree_vertex. */
+  uint8_t (*surface)[4];
 } lattice_mesh;
 
 typedef struct rock_lod {
@@ -40,12 +42,21 @@ typedef struct rock_record {
   rock_lod lods[ROCK_MAX_LODS];
 } rock_record;
 
+/* What models have beside a rock_record. Metres. */
+typedef struct model_record {
+  float footprint, height, share; /* as in scree_model */
+  uint32_t steps;
+  int16_t (*parts)[3];  /* vertices of all convex parts, lattice steps */
+  uint32_t* part_first; /* part_count + 1 elements: part p has the vertices part_first[p] .. part_first[p + 1] - 1 */
+  uint32_t part_count;
+} model_record;
+
 typedef struct proxy_record {
   rock_lod lods[ROCK_MAX_LODS];
 } proxy_record;
 
 typedef struct rock_set {
-  uint32_t cells_per_cube; /* N */
+  uint32_t cells_per_cube; /* N; 0 for models */
   uint32_t lattice_per_cell;
   uint32_t lod_count;
   uint32_t cell_count;
@@ -54,6 +65,7 @@ typedef struct rock_set {
   const rock_record* rocks;    /* rock_count */
   const proxy_record* proxies; /* NULL, or 256 * 9 by (code, part) */
   uint32_t proxy_per_cell;     /* lattice steps; 0 without proxies */
+  const model_record* models;  /* NULL, or rock_count: cells are variants, seeds are ages, meshes have a surface */
   const char* recipe;          /* JSON, NUL-terminated */
 } rock_set;
 

@@ -62,6 +62,7 @@ typedef struct mesh_fault {
 typedef struct mesh_check {
   const scree_pack* pack;
   uint32_t first_asset, lod_count;
+  bool models;
   mesh_buffer buffers[THREADS_MAX];
   mesh_fault faults[ASSETS_AT_ONCE]; /* by asset, so that the first one is told whatever the order */
 } mesh_check;
@@ -80,7 +81,7 @@ static bool make_room(mesh_buffer* buffer, size_t vertices, size_t indices) {
   return buffer->vertex_capacity >= vertices && buffer->index_capacity >= indices;
 }
 
-static scree_result check_mesh(const scree_pack* pack, uint32_t asset, uint32_t lod, mesh_buffer* buffer) {
+static scree_result check_mesh(const scree_pack* pack, bool models, uint32_t asset, uint32_t lod, mesh_buffer* buffer) {
   scree_lod level;
   scree_result result = scree_pack_get_lod(pack, asset, lod, &level);
   if (result != SCREE_OK) return result;
@@ -89,7 +90,8 @@ static scree_result check_mesh(const scree_pack* pack, uint32_t asset, uint32_t 
   result =
       scree_draco_decode_u32(pack, asset, lod, buffer->vertices, buffer->vertex_capacity, buffer->indices, buffer->index_capacity);
   if (result != SCREE_OK) return result;
-  const uint64_t digest = scree_mesh_digest(buffer->vertices, level.vertices, buffer->indices, level.triangles);
+  const uint64_t digest =
+      (models ? scree_model_mesh_digest : scree_mesh_digest)(buffer->vertices, level.vertices, buffer->indices, level.triangles);
   return digest == level.digest ? SCREE_OK : SCREE_ERROR_DIGEST;
 }
 
@@ -98,7 +100,7 @@ static void check_asset(void* context, uint32_t index, uint32_t worker) {
   mesh_fault* fault = &check->faults[index];
   *fault = (mesh_fault){SCREE_OK, check->first_asset + index, 0};
   for (; fault->lod < check->lod_count; ++fault->lod) {
-    fault->result = check_mesh(check->pack, fault->asset, fault->lod, &check->buffers[worker]);
+    fault->result = check_mesh(check->pack, check->models, fault->asset, fault->lod, &check->buffers[worker]);
     if (fault->result != SCREE_OK) return;
   }
 }
@@ -110,6 +112,7 @@ static scree_result check_meshes(const scree_pack* pack, const scree_pack_info* 
   if (check == NULL) return fail_with(error, SCREE_ERROR_OUT_OF_MEMORY, "%s: out of memory", path);
   check->pack = pack;
   check->lod_count = info->lod_count;
+  check->models = info->kind == SCREE_PACK_MODELS;
   const bool is_shown = isatty(STDERR_FILENO) != 0;
   scree_result result = SCREE_OK;
   const uint32_t total = info->asset_count + info->proxy_count;
@@ -188,7 +191,7 @@ static scree_result print_report(const options* o, const scree_pack* pack, const
     info_write_json(report, pack, &text);
   } else {
     info_write_text(report, o->pack, &text);
-    buffer_format(&text, "\nall digests are right: %d sections, the pack, %u meshes\n", SCREE_PACK_SECTIONS,
+    buffer_format(&text, "\nall digests are right: %u sections, the pack, %u meshes\n", report->section_count,
                   (report->pack.asset_count + report->pack.proxy_count) * report->pack.lod_count);
   }
   char* bytes = buffer_take(&text, NULL);

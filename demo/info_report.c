@@ -72,7 +72,9 @@ scree_result info_gather(const scree_pack* pack, info_report* out, uint32_t* ass
   scree_pack_get_info(pack, &out->pack);
   *asset = 0;
   if (out->pack.lod_count > INFO_LODS) return SCREE_ERROR_UNSUPPORTED;
-  for (uint32_t i = 0; i < SCREE_PACK_SECTIONS; ++i) scree_pack_get_section(pack, i, &out->sections[i]);
+  while (out->section_count < SCREE_PACK_SECTIONS &&
+         scree_pack_get_section(pack, out->section_count, &out->sections[out->section_count]) == SCREE_OK)
+    ++out->section_count;
   out->volume = out->inner_radius = out->outer_radius = out->hull_vertices = out->contacts = nothing;
   for (*asset = 0; *asset < out->pack.asset_count; ++*asset) {
     scree_asset rock;
@@ -117,7 +119,7 @@ void info_write_text(const info_report* report, const char* path, text_buffer* o
   buffer_format(out, "  %u lattice steps a cell; %u proxies", pack->lattice_per_cell, pack->proxy_count);
   if (pack->proxy_count > 0) buffer_format(out, " of %u steps a cell", pack->proxy_per_cell);
   buffer_add(out, "\n\nsections\n");
-  for (uint32_t i = 0; i < SCREE_PACK_SECTIONS; ++i) {
+  for (uint32_t i = 0; i < report->section_count; ++i) {
     const scree_pack_section* section = &report->sections[i];
     buffer_format(out, "  %-12s %12llu bytes  %5.1f %%  digest %016llx\n", section->name, (unsigned long long)section->size,
                   100.0 * (double)section->size / (double)pack->file_size, (unsigned long long)section->digest);
@@ -244,10 +246,10 @@ void info_write_json(const info_report* report, const scree_pack* pack, text_buf
   buffer_format(out, "  \"max_rocks_per_cell\": %u,\n  \"max_radius\": ", info->max_rocks_per_cell);
   buffer_float(out, info->max_radius);
   buffer_format(out, ",\n  \"cells\": %u,\n  \"assets\": %u,\n  \"sections\": {", info->cell_count, info->asset_count);
-  for (uint32_t i = 0; i < SCREE_PACK_SECTIONS; ++i)
+  for (uint32_t i = 0; i < report->section_count; ++i)
     buffer_format(out, "%s\"%s\": %llu", i > 0 ? ", " : "", report->sections[i].name, (unsigned long long)report->sections[i].size);
   buffer_add(out, "},\n  \"section_digests\": {");
-  for (uint32_t i = 0; i < SCREE_PACK_SECTIONS; ++i)
+  for (uint32_t i = 0; i < report->section_count; ++i)
     buffer_format(out, "%s\"%s\": \"%016llx\"", i > 0 ? ", " : "", report->sections[i].name,
                   (unsigned long long)report->sections[i].digest);
   buffer_add(out, "},\n  \"lods\": [");

@@ -23,6 +23,7 @@ typedef struct info_lod {
 typedef struct info_report {
   scree_pack_info pack;
   scree_pack_section sections[SCREE_PACK_SECTIONS];
+  uint32_t section_count;
   info_lod lods[INFO_LODS];
   info_lod whole[INFO_LODS], parts[INFO_LODS]; /* proxies of tiles, and of their eighths */
   uint32_t rocks_with_burial[SCREE_BURIAL_NEVER + 1];

@@ -11,10 +11,11 @@
 #include "mesh_normals.h"
 #include "occlusion.h"
 #include "pack_internal.h"
+#include "surface_bytes.h"
 
 namespace {
 
-// The one attribute of ours: POSITION of four int16 without gaps, x, y, z and the occlusion's level. One attribute instead of two
+// The one attribute of rocks: POSITION of four int16 without gaps, x, y, z and the occlusion's level. One attribute instead of two
 // saves Draco a pass over the mesh, an entropy table and 3 % of the bytes.
 const draco::PointAttribute* vertex_attribute(const draco::Mesh& mesh) {
   const draco::PointAttribute* attribute = mesh.GetNamedAttribute(draco::GeometryAttribute::POSITION);
@@ -22,6 +23,27 @@ const draco::PointAttribute* vertex_attribute(const draco::Mesh& mesh) {
   if (attribute->byte_stride() != 4 * sizeof(int16_t) || attribute->byte_offset() != 0) return nullptr;
   if (attribute->buffer()->data_size() / (4 * sizeof(int16_t)) < attribute->size()) return nullptr;
   return attribute;
+}
+
+// The second attribute of models.
+const draco::PointAttribute* surface_attribute(const draco::Mesh& mesh) {
+  const draco::PointAttribute* attribute = mesh.GetNamedAttribute(draco::GeometryAttribute::GENERIC);
+  if (attribute == nullptr || attribute->data_type() != draco::DT_UINT8 || attribute->num_components() != 4) return nullptr;
+  if (attribute->byte_stride() != 4 || attribute->byte_offset() != 0) return nullptr;
+  if (attribute->buffer()->data_size() / 4 < attribute->size()) return nullptr;
+  return attribute;
+}
+
+// Adds what the surface of a model has. Returns false when a vertex has no value, or one that cannot be.
+bool copy_surface(const draco::PointAttribute& attribute, uint32_t vertex_count, scree_vertex* vertices) {
+  const uint8_t* values = attribute.buffer()->data();
+  if (attribute.is_mapping_identity() && attribute.size() < vertex_count) return false;
+  for (uint32_t i = 0; i < vertex_count; ++i) {
+    const uint32_t index = attribute.mapped_index(draco::PointIndex(i)).value();
+    if (index >= attribute.size() || !scree_rt_surface_is_sound(values + size_t{index} * 4)) return false;
+    scree_rt_surface_decode(values + size_t{index} * 4, &vertices[i]);
+  }
+  return true;
 }
 
 // Writes position and occlusion of every vertex. Returns false when a vertex has no value.
@@ -75,8 +97,8 @@ bool head_matches(const uint8_t* blob, size_t blob_size, uint32_t triangle_count
   return faces == triangle_count && vertices <= 3 * uint64_t{triangle_count};
 }
 
-scree_result decode(const uint8_t* blob, size_t blob_size, uint32_t vertex_count, uint32_t triangle_count, scree_vertex* vertices,
-                    void* indices, uint32_t index_size) {
+scree_result decode(const uint8_t* blob, size_t blob_size, uint32_t vertex_count, uint32_t triangle_count, bool model,
+                    scree_vertex* vertices, void* indices, uint32_t index_size) {
   if (!head_matches(blob, blob_size, triangle_count)) return SCREE_ERROR_CORRUPT;
   draco::DecoderBuffer buffer;
   buffer.Init(reinterpret_cast<const char*>(blob), blob_size);
@@ -85,12 +107,14 @@ scree_result decode(const uint8_t* blob, size_t blob_size, uint32_t vertex_count
   if (!decoder.DecodeBufferToGeometry(&buffer, &mesh).ok()) return SCREE_ERROR_CORRUPT;
   if (mesh.num_points() != vertex_count || mesh.num_faces() != triangle_count) return SCREE_ERROR_CORRUPT;
   const draco::PointAttribute* attribute = vertex_attribute(mesh);
-  if (attribute == nullptr) return SCREE_ERROR_CORRUPT;
+  const draco::PointAttribute* surface = model ? surface_attribute(mesh) : nullptr;
+  if (attribute == nullptr || (model && surface == nullptr)) return SCREE_ERROR_CORRUPT;
 
   const size_t index_count = 3 * size_t{triangle_count};
   const uint32_t* decoded = triangle_indices(mesh);
   if (!indices_are_below(decoded, index_count, vertex_count)) return SCREE_ERROR_CORRUPT;
   if (!copy_vertices(*attribute, vertex_count, vertices)) return SCREE_ERROR_CORRUPT;
+  if (model && !copy_surface(*surface, vertex_count, vertices)) return SCREE_ERROR_CORRUPT;
   const std::unique_ptr<char[]> scratch(new char[size_t{vertex_count} * MESH_NORMALS_SCRATCH]);
   scree_rt_mesh_normals(vertices, vertex_count, decoded, triangle_count, scratch.get());
 
@@ -114,16 +138,17 @@ scree_result decode_lod(const scree_pack* pack, uint32_t asset, uint32_t lod, sc
   if (vertex_capacity < level.vertices || index_capacity / 3 < level.triangles) return SCREE_ERROR_CAPACITY;
   if ((vertices == nullptr && level.vertices > 0) || (indices == nullptr && level.triangles > 0))
     return SCREE_ERROR_INVALID_ARGUMENT;
-  return scree_rt_draco_decode_blob(level.blob, level.blob_size, level.vertices, level.triangles, vertices, indices, index_size);
+  return scree_rt_draco_decode_blob(level.blob, level.blob_size, level.vertices, level.triangles, pack->models != nullptr, vertices,
+                                    indices, index_size);
 }
 
 }  // namespace
 
 scree_result scree_rt_draco_decode_blob(const uint8_t* blob, size_t blob_size, uint32_t vertex_count, uint32_t triangle_count,
-                                        scree_vertex* vertices, void* indices, uint32_t index_size) {
+                                        bool model, scree_vertex* vertices, void* indices, uint32_t index_size) {
   if (triangle_count == 0) return vertex_count == 0 ? SCREE_OK : SCREE_ERROR_CORRUPT;
   try {
-    return decode(blob, blob_size, vertex_count, triangle_count, vertices, indices, index_size);
+    return decode(blob, blob_size, vertex_count, triangle_count, model, vertices, indices, index_size);
   } catch (const std::bad_alloc&) {
     return SCREE_ERROR_OUT_OF_MEMORY;
   } catch (...) {

@@ -64,6 +64,7 @@ scree_result scree_field_create(const scree_field_desc* desc, const scree_alloca
   if (desc == NULL || out == NULL || desc->pack == NULL) return SCREE_ERROR_INVALID_ARGUMENT;
   scree_pack_info info;
   scree_pack_get_info(desc->pack, &info);
+  if (info.kind != SCREE_PACK_TILES) return SCREE_ERROR_PACK_KIND;
   if (info.cells_per_cube < 3 || info.cells_per_cube > FIELD_MAX_CELLS || info.asset_count == UINT32_MAX ||
       info.cell_count == UINT32_MAX)
     return SCREE_ERROR_CORRUPT;

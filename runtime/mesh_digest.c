@@ -13,41 +13,85 @@ typedef struct vertex_keys {
   size_t position_stride;
   const uint8_t* occlusion;
   size_t occlusion_stride;
+  const uint8_t (*surface)[4]; /* NULL for rocks */
 } vertex_keys;
 
-static uint64_t vertex_key(const vertex_keys* keys, uint32_t index) {
+enum { MOST_WORDS = 2 };
+
+static void vertex_key(const vertex_keys* keys, uint32_t index, uint64_t* key) {
   uint16_t p[3];
   memcpy(p, keys->positions + index * keys->position_stride, sizeof p);
-  return (uint64_t)p[0] | (uint64_t)p[1] << 16 | (uint64_t)p[2] << 32 |
-         (uint64_t)keys->occlusion[index * keys->occlusion_stride] << 48;
+  key[0] = (uint64_t)p[0] | (uint64_t)p[1] << 16 | (uint64_t)p[2] << 32 |
+           (uint64_t)keys->occlusion[index * keys->occlusion_stride] << 48;
+  if (keys->surface == NULL) return;
+  const uint8_t* s = keys->surface[index];
+  key[1] = (uint64_t)s[0] | (uint64_t)s[1] << 8 | (uint64_t)(s[2] ^ 0x80u) << 16; /* + 128 to two's complement */
 }
 
-static bool less(const uint64_t a[3], const uint64_t b[3]) {
-  for (int i = 0; i < 3; ++i)
+static bool less(const uint64_t* a, const uint64_t* b, size_t words) {
+  for (size_t i = 0; i < words; ++i)
     if (a[i] != b[i]) return a[i] < b[i];
   return false;
 }
 
-uint64_t scree_rt_mesh_digest(const void* positions, size_t position_stride, const uint8_t* occlusion, size_t occlusion_stride,
-                              const uint32_t* indices, size_t triangle_count) {
-  const vertex_keys keys = {positions, position_stride, occlusion, occlusion_stride};
+static uint64_t triangle_digest(const vertex_keys* keys, const uint32_t corner[3]) {
+  const size_t words = keys->surface != NULL ? 2 : 1;
+  uint64_t twice[6 * MOST_WORDS]; /* a b c a b c: each rotation is three keys one behind the other */
+  for (size_t k = 0; k < 3; ++k) vertex_key(keys, corner[k], twice + k * words);
+  memcpy(twice + 3 * words, twice, 3 * words * sizeof *twice);
+  const uint64_t* least = twice;
+  for (size_t k = 1; k < 3; ++k)
+    if (less(twice + k * words, least, 3 * words)) least = twice + k * words;
+  return XXH3_64bits(least, 3 * words * sizeof *least);
+}
+
+static uint64_t mesh_digest(const vertex_keys* keys, const uint32_t* indices, size_t triangle_count) {
   uint64_t total[2] = {0, triangle_count};
-  for (size_t triangle = 0; triangle < triangle_count; ++triangle) {
-    const uint32_t* corner = indices + 3 * triangle;
-    const uint64_t a = vertex_key(&keys, corner[0]), b = vertex_key(&keys, corner[1]), c = vertex_key(&keys, corner[2]);
-    const uint64_t rotations[3][3] = {{a, b, c}, {b, c, a}, {c, a, b}};
-    const uint64_t* least = rotations[0];
-    if (less(rotations[1], least)) least = rotations[1];
-    if (less(rotations[2], least)) least = rotations[2];
-    total[0] += XXH3_64bits(least, 3 * sizeof *least);
-  }
+  for (size_t triangle = 0; triangle < triangle_count; ++triangle) total[0] += triangle_digest(keys, indices + 3 * triangle);
   return XXH3_64bits(total, sizeof total);
 }
 
-uint64_t scree_mesh_digest(const scree_vertex* vertices, size_t vertex_count, const uint32_t* indices, size_t triangle_count) {
+uint64_t scree_rt_mesh_digest(const void* positions, size_t position_stride, const uint8_t* occlusion, size_t occlusion_stride,
+                              const uint32_t* indices, size_t triangle_count) {
+  return mesh_digest(&(vertex_keys){positions, position_stride, occlusion, occlusion_stride, NULL}, indices, triangle_count);
+}
+
+uint64_t scree_rt_model_digest(const void* positions, size_t position_stride, const uint8_t* occlusion, const uint8_t (*surface)[4],
+                               const uint32_t* indices, size_t triangle_count) {
+  return mesh_digest(&(vertex_keys){positions, position_stride, occlusion, 1, surface}, indices, triangle_count);
+}
+
+static bool indices_fit(const uint32_t* indices, size_t triangle_count, size_t vertex_count) {
   for (size_t i = 0; i < 3 * triangle_count; ++i)
-    if (indices[i] >= vertex_count) return 0;
+    if (indices[i] >= vertex_count) return false;
+  return true;
+}
+
+uint64_t scree_mesh_digest(const scree_vertex* vertices, size_t vertex_count, const uint32_t* indices, size_t triangle_count) {
+  if (!indices_fit(indices, triangle_count, vertex_count)) return 0;
   if (triangle_count == 0) return scree_rt_mesh_digest(NULL, 0, NULL, 0, NULL, 0);
   return scree_rt_mesh_digest(&vertices->position, sizeof *vertices, &vertices->occlusion, sizeof *vertices, indices,
                               triangle_count);
+}
+
+uint64_t scree_model_mesh_digest(const scree_vertex* vertices, size_t vertex_count, const uint32_t* indices,
+                                 size_t triangle_count) {
+  if (!indices_fit(indices, triangle_count, vertex_count)) return 0;
+  /* The bytes of a vertex do not lie together as those of a blob do, and there is no memory to gather them all in: one triangle at
+   * a time. */
+  uint64_t total[2] = {0, triangle_count};
+  for (size_t triangle = 0; triangle < triangle_count; ++triangle) {
+    int16_t positions[3][3];
+    uint8_t occlusion[3], surface[3][4];
+    for (size_t k = 0; k < 3; ++k) {
+      const scree_vertex* v = &vertices[indices[3 * triangle + k]];
+      memcpy(positions[k], v->position, sizeof positions[k]);
+      occlusion[k] = v->occlusion;
+      const uint8_t bytes[4] = {v->material, v->durability, (uint8_t)(v->curvature + 128), 0};
+      memcpy(surface[k], bytes, sizeof bytes);
+    }
+    const vertex_keys keys = {(const char*)positions, sizeof *positions, occlusion, 1, (const uint8_t(*)[4])surface};
+    total[0] += triangle_digest(&keys, (const uint32_t[3]){0, 1, 2});
+  }
+  return XXH3_64bits(total, sizeof total);
 }

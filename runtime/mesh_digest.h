@@ -4,6 +4,7 @@
  *
  *   key(vertex)      = x | y << 16 | z << 32 | occlusion << 48       (x, y, z as 16-bit patterns)
  *   digest(triangle) = XXH3-64 of its three keys as 24 little-endian bytes, in the rotation that is least in lexical order
+ *                      for models 48 bytes: each key is followed by material | durability << 8 | curvature << 16
  *   digest(mesh)     = XXH3-64 of (sum of the triangles' digests mod 2^64, number of triangles) as 16 little-endian bytes */
 #ifndef SCREE_MESH_DIGEST_H
 #define SCREE_MESH_DIGEST_H
@@ -15,5 +16,10 @@
  * occlusion_stride]. Every index must be less than the number of vertices. */
 uint64_t scree_rt_mesh_digest(const void* positions, size_t position_stride, const uint8_t* occlusion, size_t occlusion_stride,
                               const uint32_t* indices, size_t triangle_count);
+
+/* The same of a model. surface: of vertex i, the 4 bytes at surface[i] as blobs have them: material, durability, curvature + 128,
+ * 0. */
+uint64_t scree_rt_model_digest(const void* positions, size_t position_stride, const uint8_t* occlusion, const uint8_t (*surface)[4],
+                               const uint32_t* indices, size_t triangle_count);
 
 #endif

@@ -10,7 +10,9 @@
  * the end of the file: then no two overlap and no byte belongs to none. */
 static scree_result read_section_table(scree_pack* pack) {
   const pack_header* header = pack->header;
-  if (header->section_count < PACK_SECTION_KINDS || header->section_count > PACK_MAX_SECTIONS) return SCREE_ERROR_CORRUPT;
+  if (header->kind > SCREE_PACK_MODELS || header->reserved != 0) return SCREE_ERROR_CORRUPT;
+  const uint32_t kinds = scree_rt_pack_kinds(header);
+  if (header->section_count < kinds || header->section_count > PACK_MAX_SECTIONS) return SCREE_ERROR_CORRUPT;
   const size_t table_size = header->section_count * sizeof(pack_section);
   if (pack->size - sizeof(pack_header) < table_size) return SCREE_ERROR_TRUNCATED;
   const pack_section* table = (const pack_section*)(const void*)(pack->bytes + sizeof(pack_header));
@@ -24,6 +26,7 @@ static scree_result read_section_table(scree_pack* pack) {
     if (section->element_size == 0 || section->size % section->element_size != 0) return SCREE_ERROR_CORRUPT;
     end = begin + section->size;
     if (section->kind == 0 || section->kind > PACK_SECTION_KINDS) continue;
+    if (section->kind > kinds) return SCREE_ERROR_CORRUPT;
     if (section->element_size != scree_rt_pack_element_size(section->kind, false) &&
         section->element_size != scree_rt_pack_element_size(section->kind, true))
       return SCREE_ERROR_CORRUPT;
@@ -31,7 +34,7 @@ static scree_result read_section_table(scree_pack* pack) {
     pack->sections[section->kind - 1] = section;
   }
   if (end != pack->size) return SCREE_ERROR_CORRUPT;
-  for (uint32_t kind = 0; kind < PACK_SECTION_KINDS; ++kind)
+  for (uint32_t kind = 0; kind < kinds; ++kind)
     if (pack->sections[kind] == NULL) return SCREE_ERROR_CORRUPT;
   if (scree_rt_pack_digest(header, pack->sections) != header->pack_digest) return SCREE_ERROR_DIGEST;
   return SCREE_OK;
@@ -49,12 +52,14 @@ static uint64_t section_elements(const scree_pack* pack, uint32_t kind) {
 static scree_result read_views(scree_pack* pack) {
   const pack_header* header = pack->header;
   const uint32_t n = header->cells_per_cube;
-  if (n < 1 || n > PACK_MAX_CELLS_PER_CUBE) return SCREE_ERROR_CORRUPT;
+  const bool models = header->kind == SCREE_PACK_MODELS;
+  if (models ? n != 0 || header->proxy_per_cell != 0 : n < 1 || n > PACK_MAX_CELLS_PER_CUBE) return SCREE_ERROR_CORRUPT;
+  pack->reach = models ? PACK_MAX_MODEL_REACH : PACK_MAX_TILE_REACH;
   if (header->lattice_per_cell < 1 || header->lattice_per_cell > PACK_MAX_LATTICE_PER_CELL) return SCREE_ERROR_CORRUPT;
   if (header->proxy_per_cell > PACK_MAX_LATTICE_PER_CELL) return SCREE_ERROR_CORRUPT;
   if (header->lod_count < 1 || header->lod_count > PACK_MAX_LODS) return SCREE_ERROR_CORRUPT;
   if (header->max_rocks_per_cell < 1 || header->max_rocks_per_cell > PACK_MAX_ROCKS_PER_CELL) return SCREE_ERROR_CORRUPT;
-  if (!(header->max_radius > 0 && header->max_radius <= 16)) return SCREE_ERROR_CORRUPT;
+  if (!(header->max_radius > 0 && header->max_radius <= pack->reach)) return SCREE_ERROR_CORRUPT;
 
   pack->recipe = section_bytes(pack, PACK_RECIPE);
   pack->tiles = section_bytes(pack, PACK_TILES);
@@ -81,6 +86,13 @@ static scree_result read_views(scree_pack* pack) {
   if (pack->cells[0] != 0 || pack->cells[pack->cell_count] != pack->asset_count) return SCREE_ERROR_CORRUPT;
   pack->proxy_count = header->proxy_per_cell > 0 ? PACK_PROXIES : 0;
   if (assets + pack->proxy_count > UINT32_MAX) return SCREE_ERROR_CORRUPT;
+  if (models) {
+    if (section_elements(pack, PACK_CONTACTS) != 0 || section_elements(pack, PACK_MODELS) != assets) return SCREE_ERROR_CORRUPT;
+    if (section_elements(pack, PACK_PARTS) < 1) return SCREE_ERROR_CORRUPT;
+    pack->parts = section_bytes(pack, PACK_PARTS);
+    pack->models = section_bytes(pack, PACK_MODELS);
+    pack->part_count = section_elements(pack, PACK_PARTS) - 1;
+  }
   const uint64_t levels = (assets + pack->proxy_count) * header->lod_count;
   if (section_elements(pack, PACK_LODS) != levels || section_elements(pack, PACK_BLOB_INDEX) != levels) return SCREE_ERROR_CORRUPT;
   return SCREE_OK;
@@ -144,9 +156,11 @@ void scree_pack_close(scree_pack* pack) {
 void scree_pack_get_info(const scree_pack* pack, scree_pack_info* out) {
   *out = (scree_pack_info){
       .format_version = pack->header->format_version,
+      .kind = (scree_pack_kind)pack->header->kind,
       .cells_per_cube = pack->header->cells_per_cube,
       .lattice_per_cell = pack->header->lattice_per_cell,
       .cell_count = pack->cell_count,
+      .variant_count = pack->models != NULL ? pack->cell_count : 0,
       .asset_count = pack->asset_count,
       .lod_count = pack->header->lod_count,
       .proxy_count = pack->proxy_count,
@@ -161,9 +175,9 @@ void scree_pack_get_info(const scree_pack* pack, scree_pack_info* out) {
 }
 
 scree_result scree_pack_get_section(const scree_pack* pack, uint32_t index, scree_pack_section* out) {
-  static const char* const names[SCREE_PACK_SECTIONS] = {"recipe",   "tiles", "cells",      "assets", "lods",
-                                                         "contacts", "hulls", "blob_index", "blobs"};
-  if (pack == NULL || out == NULL || index >= SCREE_PACK_SECTIONS) return SCREE_ERROR_INVALID_ARGUMENT;
+  static const char* const names[SCREE_PACK_SECTIONS] = {"recipe", "tiles",      "cells", "assets", "lods",  "contacts",
+                                                         "hulls",  "blob_index", "blobs", "parts",  "models"};
+  if (pack == NULL || out == NULL || index >= scree_rt_pack_kinds(pack->header)) return SCREE_ERROR_INVALID_ARGUMENT;
   const pack_section* section = pack->sections[index];
   *out = (scree_pack_section){names[index], section->size, section->size / section->element_size, section->digest};
   return SCREE_OK;
@@ -185,6 +199,7 @@ scree_result scree_pack_get_asset(const scree_pack* pack, uint32_t asset, scree_
   if (record->cell >= pack->cell_count || record->seed >= pack->header->max_rocks_per_cell) return SCREE_ERROR_CORRUPT;
   if (!range_fits(record->first_contact, record->contact_count, pack->contact_count)) return SCREE_ERROR_CORRUPT;
   if (record->burial < 1 || record->burial > PACK_MAX_BURIAL) return SCREE_ERROR_CORRUPT;
+  if (pack->models != NULL && record->burial != PACK_MAX_BURIAL) return SCREE_ERROR_CORRUPT;
   if (record->hull_count < PACK_MIN_HULL || record->hull_count > PACK_MAX_HULL) return SCREE_ERROR_CORRUPT;
   if (!range_fits(record->first_hull, record->hull_count, pack->hull_count)) return SCREE_ERROR_CORRUPT;
   const float reach = pack->header->max_radius;
@@ -204,7 +219,8 @@ scree_result scree_pack_get_asset(const scree_pack* pack, uint32_t asset, scree_
       .burial = record->burial,
   };
   for (int axis = 0; axis < 3; ++axis) {
-    if (record->bounds_min[axis] > record->bounds_max[axis] || !within(record->centroid[axis], 16)) return SCREE_ERROR_CORRUPT;
+    if (record->bounds_min[axis] > record->bounds_max[axis] || !within(record->centroid[axis], pack->reach))
+      return SCREE_ERROR_CORRUPT;
     out->bounds_min[axis] = (float)record->bounds_min[axis] / steps;
     out->bounds_max[axis] = (float)record->bounds_max[axis] / steps;
     out->centroid[axis] = record->centroid[axis];
@@ -223,7 +239,8 @@ scree_result scree_pack_get_lod(const scree_pack* pack, uint32_t asset, uint32_t
   if (record->triangles < 1 || record->triangles > (uint64_t)blob->size * PACK_MAX_TRIANGLES_PER_BLOB_BYTE)
     return SCREE_ERROR_CORRUPT;
   if (blob->vertices > (uint64_t)record->triangles * 3) return SCREE_ERROR_CORRUPT;
-  if (!(record->error >= 0 && record->error <= 16)) return SCREE_ERROR_CORRUPT;
+  if (pack->models != NULL && blob->vertices > PACK_MAX_MODEL_VERTICES) return SCREE_ERROR_CORRUPT;
+  if (!(record->error >= 0 && record->error <= pack->reach)) return SCREE_ERROR_CORRUPT;
   *out = (scree_lod){
       .vertices = blob->vertices,
       .triangles = record->triangles,
@@ -244,7 +261,8 @@ scree_result scree_rt_pack_coarse_mesh(const scree_pack* pack, uint32_t asset, s
   if (vertex_capacity < level.vertices || index_capacity / 3 < level.triangles) return SCREE_ERROR_CAPACITY;
   if (vertices == NULL || indices == NULL) return SCREE_ERROR_INVALID_ARGUMENT;
   plain_mesh mesh;
-  if (!scree_rt_plain_mesh_read(level.blob, level.blob_size, level.vertices, level.triangles, &mesh)) return SCREE_ERROR_CORRUPT;
+  if (!scree_rt_plain_mesh_read(level.blob, level.blob_size, level.vertices, level.triangles, pack->models != NULL, &mesh))
+    return SCREE_ERROR_CORRUPT;
   scree_rt_plain_mesh_decode(&mesh, vertices, indices, index_size);
   return SCREE_OK;
 }
@@ -286,6 +304,19 @@ scree_result scree_pack_get_contacts(const scree_pack* pack, uint32_t asset, scr
   return copied < *count ? SCREE_ERROR_CAPACITY : SCREE_OK;
 }
 
+/* `count` hull vertices from `first` on, as many as fit. */
+static scree_result copy_hull(const scree_pack* pack, uint32_t first, uint32_t count, int16_t* xyz, uint32_t capacity) {
+  const uint32_t copied = count < capacity ? count : capacity;
+  const size_t begin = 3 * (size_t)first;
+  if (pack->narrow_hulls) {
+    const int8_t* from = (const int8_t*)pack->hulls + begin;
+    for (uint32_t i = 0; i < 3 * copied; ++i) xyz[i] = from[i];
+  } else if (copied > 0) {
+    memcpy(xyz, pack->hulls + begin * sizeof(int16_t), copied * 3 * sizeof(int16_t));
+  }
+  return copied < count ? SCREE_ERROR_CAPACITY : SCREE_OK;
+}
+
 scree_result scree_pack_get_hull(const scree_pack* pack, uint32_t asset, int16_t* xyz, uint32_t capacity, uint32_t* count) {
   if (pack == NULL || count == NULL || asset >= pack->asset_count || (xyz == NULL && capacity > 0))
     return SCREE_ERROR_INVALID_ARGUMENT;
@@ -293,15 +324,7 @@ scree_result scree_pack_get_hull(const scree_pack* pack, uint32_t asset, int16_t
   *count = 0;
   if (!range_fits(record->first_hull, record->hull_count, pack->hull_count)) return SCREE_ERROR_CORRUPT;
   *count = record->hull_count;
-  const uint32_t copied = *count < capacity ? *count : capacity;
-  const size_t first = 3 * (size_t)record->first_hull;
-  if (pack->narrow_hulls) {
-    const int8_t* from = (const int8_t*)pack->hulls + first;
-    for (uint32_t i = 0; i < 3 * copied; ++i) xyz[i] = from[i];
-  } else if (copied > 0) {
-    memcpy(xyz, pack->hulls + first * sizeof(int16_t), copied * 3 * sizeof(int16_t));
-  }
-  return copied < *count ? SCREE_ERROR_CAPACITY : SCREE_OK;
+  return copy_hull(pack, record->first_hull, *count, xyz, capacity);
 }
 
 scree_result scree_pack_tile_cell(const scree_pack* pack, uint32_t code, uint32_t x, uint32_t y, uint32_t z, uint32_t* cell) {
@@ -321,4 +344,48 @@ scree_result scree_pack_cell_assets(const scree_pack* pack, uint32_t cell, uint3
   *first = begin;
   *count = end - begin;
   return SCREE_OK;
+}
+
+uint32_t scree_pack_model(const scree_pack* pack, uint32_t variant, uint32_t age) {
+  uint32_t first, count;
+  if (pack == NULL || pack->models == NULL || scree_pack_cell_assets(pack, variant, &first, &count) != SCREE_OK || age >= count)
+    return UINT32_MAX;
+  return first + age;
+}
+
+scree_result scree_pack_get_model(const scree_pack* pack, uint32_t asset, scree_model* out) {
+  if (pack == NULL || out == NULL || pack->models == NULL || asset >= pack->asset_count) return SCREE_ERROR_INVALID_ARGUMENT;
+  const pack_asset* record = &pack->assets[asset];
+  const pack_model* model = &pack->models[asset];
+  if (record->cell >= pack->cell_count || record->seed >= pack->header->max_rocks_per_cell) return SCREE_ERROR_CORRUPT;
+  if (!(model->footprint >= 0 && model->footprint <= pack->reach)) return SCREE_ERROR_CORRUPT;
+  if (!(model->height >= 0 && model->height <= pack->reach)) return SCREE_ERROR_CORRUPT;
+  if (!(model->share >= 0 && model->share <= 1)) return SCREE_ERROR_CORRUPT;
+  if (model->part_count < 1 || model->part_count > PACK_MAX_PARTS) return SCREE_ERROR_CORRUPT;
+  if (!range_fits(model->first_part, model->part_count, pack->part_count)) return SCREE_ERROR_CORRUPT;
+  *out = (scree_model){
+      .variant = record->cell,
+      .age = record->seed,
+      .footprint = model->footprint,
+      .height = model->height,
+      .share = model->share,
+      .steps = model->steps,
+      .part_count = model->part_count,
+  };
+  return SCREE_OK;
+}
+
+scree_result scree_pack_get_part(const scree_pack* pack, uint32_t asset, uint32_t part, int16_t* xyz, uint32_t capacity,
+                                 uint32_t* count) {
+  if (count == NULL || (xyz == NULL && capacity > 0)) return SCREE_ERROR_INVALID_ARGUMENT;
+  *count = 0;
+  scree_model model;
+  const scree_result result = scree_pack_get_model(pack, asset, &model);
+  if (result != SCREE_OK) return result;
+  if (part >= model.part_count) return SCREE_ERROR_INVALID_ARGUMENT;
+  const uint32_t* ends = &pack->parts[pack->models[asset].first_part + (size_t)part];
+  if (ends[0] > ends[1] || ends[1] > pack->hull_count) return SCREE_ERROR_CORRUPT;
+  if (ends[1] - ends[0] < PACK_MIN_HULL || ends[1] - ends[0] > PACK_MAX_HULL) return SCREE_ERROR_CORRUPT;
+  *count = ends[1] - ends[0];
+  return copy_hull(pack, ends[0], *count, xyz, capacity);
 }

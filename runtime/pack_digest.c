@@ -5,6 +5,10 @@
 #include <string.h>
 #include <xxhash.h>
 
+uint32_t scree_rt_pack_kinds(const pack_header* header) {
+  return header->kind == SCREE_PACK_MODELS ? PACK_SECTION_KINDS : PACK_TILE_KINDS;
+}
+
 uint32_t scree_rt_pack_element_size(uint32_t kind, bool narrow) {
   switch (kind) {
     case PACK_RECIPE: return 1;
@@ -16,6 +20,8 @@ uint32_t scree_rt_pack_element_size(uint32_t kind, bool narrow) {
     case PACK_HULLS: return 3 * (narrow ? sizeof(int8_t) : sizeof(int16_t));
     case PACK_BLOB_INDEX: return sizeof(pack_blob);
     case PACK_BLOBS: return 1;
+    case PACK_PARTS: return 4;
+    case PACK_MODELS: return sizeof(pack_model);
     default: return 0;
   }
 }
@@ -30,9 +36,13 @@ uint32_t scree_rt_pack_header_check(const pack_header* header) {
 
 uint64_t scree_rt_pack_digest(const pack_header* header, const pack_section* sections[PACK_SECTION_KINDS]) {
   enum { NUMBERS = offsetof(pack_header, header_check) - offsetof(pack_header, cells_per_cube) };
-  uint8_t canonical[NUMBERS + PACK_CANONICAL_KINDS * sizeof(uint64_t)];
+  uint8_t canonical[NUMBERS + PACK_SECTION_KINDS * sizeof(uint64_t)];
   memcpy(canonical, &header->cells_per_cube, NUMBERS);
-  for (size_t kind = 0; kind < PACK_CANONICAL_KINDS; ++kind)
-    memcpy(canonical + NUMBERS + kind * sizeof(uint64_t), &sections[kind]->digest, sizeof(uint64_t));
-  return XXH3_64bits(canonical, sizeof canonical);
+  size_t size = NUMBERS;
+  for (size_t kind = 1; kind <= scree_rt_pack_kinds(header); ++kind) {
+    if (kind > PACK_CANONICAL_KINDS && kind <= PACK_TILE_KINDS) continue;
+    memcpy(canonical + size, &sections[kind - 1]->digest, sizeof(uint64_t));
+    size += sizeof(uint64_t);
+  }
+  return XXH3_64bits(canonical, size);
 }

@@ -1,4 +1,4 @@
-/* The layout of a pack, format version 2. docs/pack_format.md says the same in words; the two change together.
+/* The layout of a pack, format version 3. docs/pack_format.md says the same in words; the two change together.
  *
  *   0            64                    aligned to 64        aligned to 64
  *   | pack_header | pack_section [n]   | section 0 | 0..0 | section 1 | 0..0 | ... | section n-1 |
@@ -9,13 +9,13 @@
 #ifndef SCREE_PACK_FORMAT_H
 #define SCREE_PACK_FORMAT_H
 
-#include <scree/base.h>
+#include <scree/pack.h>
 
 #if defined(__BYTE_ORDER__) && __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
 #error "packs are used in place and are little-endian; a big-endian reader would have to convert every section on opening"
 #endif
 
-#define PACK_FORMAT_VERSION 2u
+#define PACK_FORMAT_VERSION 3u
 #define PACK_ALIGNMENT 64u
 
 /* In the manner of PNG: a byte with its top bit set catches seven-bit transfers, CR LF and LF catch changed line ends, ^Z stops
@@ -26,21 +26,26 @@
 /* Kinds are never renumbered. A reader skips kinds it does not know. */
 enum {
   PACK_RECIPE = 1,     /* JSON text and one NUL */
-  PACK_TILES = 2,      /* u32 unique cell [256][N][N][N], x fastest */
-  PACK_CELLS = 3,      /* u32 first asset [cells + 1] */
+  PACK_TILES = 2,      /* u32 unique cell [256][N][N][N], x fastest; empty in packs of models */
+  PACK_CELLS = 3,      /* u32 first asset [cells + 1]; cells are unique cells, or variants of models */
   PACK_ASSETS = 4,     /* pack_asset [assets], by (cell, seed) */
   PACK_LODS = 5,       /* pack_lod [assets + proxies][lods] */
   PACK_CONTACTS = 6,   /* pack_contact or pack_narrow_contact */
-  PACK_HULLS = 7,      /* i16 [3] or i8 [3], lattice steps */
+  PACK_HULLS = 7,      /* i16 [3] or i8 [3], lattice steps: of all assets, and behind them of all parts of models */
   PACK_BLOB_INDEX = 8, /* pack_blob [assets + proxies][lods] */
   PACK_BLOBS = 9,      /* Draco bytes, or at the coarsest level a plain mesh, each blob 4-byte aligned */
-  PACK_SECTION_KINDS = 9,
-  PACK_CANONICAL_KINDS = 7 /* kinds 1..7 do not depend on the encoder */
+  PACK_PARTS = 10,     /* u32 first hull vertex [parts + 1]; packs of models only, as the next */
+  PACK_MODELS = 11,    /* pack_model [assets] */
+  PACK_SECTION_KINDS = 11,
+  PACK_TILE_KINDS = 9,     /* packs of tiles have kinds 1..9 */
+  PACK_CANONICAL_KINDS = 7 /* kinds 1..7 do not depend on the encoder, nor do 10 and 11 */
 };
 
 enum {
   PACK_MAX_SECTIONS = 64,
   PACK_MAX_CELLS_PER_CUBE = 16,
+  PACK_MAX_TILE_REACH = 16,         /* radii, errors and centroids of rocks and proxies, cells */
+  PACK_MAX_MODEL_REACH = 4096,      /* the same of models, metres */
   PACK_MAX_LATTICE_PER_CELL = 4096, /* so that a rock, which stays within 1.5 cells of its centre, fits int16 */
   PACK_MAX_LODS = 8,
   PACK_PROXY_PARTS = 9,                  /* of a tile: the whole, and the halves of its axes */
@@ -49,6 +54,8 @@ enum {
   PACK_MAX_ROCKS_PER_CELL = 255,
   PACK_MAX_HULL = 64,
   PACK_MIN_HULL = 4,
+  PACK_MAX_PARTS = 255,
+  PACK_MAX_MODEL_VERTICES = 1 << 16, /* of a level, so that its indices fit 16 bits */
   PACK_NEIGHBOURS = 27,
   PACK_BLOB_UNIT = 4,
   /* No blob of Draco packs triangles this tightly. The bound keeps a damaged count from asking the host for gigabytes. */
@@ -60,9 +67,11 @@ typedef struct pack_header {
   uint32_t format_version;
   uint32_t section_count;
   uint64_t file_size;
-  uint64_t table_digest; /* XXH3-64 of the section table */
-  uint64_t pack_digest;  /* see scree_rt_pack_digest() */
-  uint32_t cells_per_cube;
+  uint64_t table_digest;  /* XXH3-64 of the section table */
+  uint64_t pack_digest;   /* see scree_rt_pack_digest() */
+  uint8_t cells_per_cube; /* 0 in packs of models */
+  uint8_t kind;           /* scree_pack_kind */
+  uint16_t reserved;      /* 0 */
   uint16_t lattice_per_cell;
   uint16_t proxy_per_cell; /* 0 where there are no proxies */
   uint32_t lod_count;
@@ -119,6 +128,16 @@ typedef struct pack_blob {
   uint32_t vertices; /* as decoded: Draco gives every fan of triangles around a pinched vertex a vertex of its own */
 } pack_blob;
 
+/* What only models have. Metres. */
+typedef struct pack_model {
+  float footprint;
+  float height;
+  float share;
+  uint32_t steps;
+  uint32_t first_part;
+  uint32_t part_count;
+} pack_model;
+
 #define PACK_STATIC_ASSERT(name, condition) typedef char pack_assert_##name[(condition) ? 1 : -1]
 PACK_STATIC_ASSERT(header, sizeof(pack_header) == 64);
 PACK_STATIC_ASSERT(section, sizeof(pack_section) == 32);
@@ -127,6 +146,10 @@ PACK_STATIC_ASSERT(lod, sizeof(pack_lod) == 16);
 PACK_STATIC_ASSERT(contact, sizeof(pack_contact) == 8);
 PACK_STATIC_ASSERT(narrow_contact, sizeof(pack_narrow_contact) == 5);
 PACK_STATIC_ASSERT(blob, sizeof(pack_blob) == 12);
+PACK_STATIC_ASSERT(model, sizeof(pack_model) == 24);
+
+/* How many kinds a pack has: those from 1 up to this. */
+uint32_t scree_rt_pack_kinds(const pack_header* header);
 
 /* Bytes of one element of a kind, 0 for an unknown kind. narrow: of contacts and hulls with coordinates of one byte. */
 uint32_t scree_rt_pack_element_size(uint32_t kind, bool narrow);
@@ -138,7 +161,7 @@ uint64_t scree_rt_pack_bytes_digest(const void* bytes, size_t size);
 uint32_t scree_rt_pack_header_check(const pack_header* header);
 
 /* What pack_digest must be: XXH3-64 of the five numbers at bytes 40..59 of the header followed by the digests of the sections of
- * kinds 1..7 in that order. sections[kind - 1] is the entry of each kind. */
+ * kinds 1..7 in that order, and of kinds 10 and 11 in packs of models. sections[kind - 1] is the entry of each kind. */
 uint64_t scree_rt_pack_digest(const pack_header* header, const pack_section* sections[PACK_SECTION_KINDS]);
 
 #endif

@@ -15,7 +15,7 @@ struct scree_pack {
   const uint8_t* bytes;
   size_t size;
   const pack_header* header;
-  const pack_section* sections[PACK_SECTION_KINDS]; /* by kind - 1 */
+  const pack_section* sections[PACK_SECTION_KINDS]; /* by kind - 1; NULL for those that only models have */
 
   const char* recipe;
   const uint32_t* tiles;
@@ -26,14 +26,18 @@ struct scree_pack {
   const uint8_t* hulls;
   const pack_blob* blob_index;
   const uint8_t* blobs;
+  const uint32_t* parts;    /* packs of models */
+  const pack_model* models; /* packs of models */
 
   uint32_t cell_count;
   uint32_t asset_count;
   uint32_t proxy_count;
   uint64_t contact_count;
   uint64_t hull_count; /* vertices */
+  uint64_t part_count;
   uint64_t blob_bytes;
   bool narrow_contacts, narrow_hulls;
+  float reach; /* what no radius, error or coordinate of a centroid passes, cells */
 };
 
 #ifdef __cplusplus

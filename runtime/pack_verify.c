@@ -34,6 +34,9 @@ static scree_result verify_tables(const scree_pack* pack) {
     for (uint32_t asset = first; asset < first + count; ++asset)
       if (pack->assets[asset].cell != cell || (asset > first && pack->assets[asset].seed <= pack->assets[asset - 1].seed))
         return SCREE_ERROR_CORRUPT;
+    /* Every variant has the ages 0, 1, .. of its own. */
+    if (pack->models != NULL && (count < 1 || pack->assets[first].seed != 0 || pack->assets[first + count - 1].seed != count - 1))
+      return SCREE_ERROR_CORRUPT;
   }
   return strlen(pack->recipe) + 1 == pack->sections[PACK_RECIPE - 1]->size ? SCREE_OK : SCREE_ERROR_CORRUPT;
 }
@@ -46,8 +49,20 @@ static scree_result verify_levels(const scree_pack* pack, uint32_t asset) {
     if (result != SCREE_OK) return result;
   }
   plain_mesh mesh;
-  const bool good = scree_rt_plain_mesh_read(level.blob, level.blob_size, level.vertices, level.triangles, &mesh);
+  const bool good =
+      scree_rt_plain_mesh_read(level.blob, level.blob_size, level.vertices, level.triangles, pack->models != NULL, &mesh);
   return good ? SCREE_OK : SCREE_ERROR_CORRUPT;
+}
+
+static scree_result verify_model(const scree_pack* pack, uint32_t asset) {
+  scree_model model;
+  scree_result result = scree_pack_get_model(pack, asset, &model);
+  for (uint32_t part = 0; result == SCREE_OK && part < model.part_count; ++part) {
+    uint32_t count;
+    result = scree_pack_get_part(pack, asset, part, NULL, 0, &count);
+    if (result == SCREE_ERROR_CAPACITY) result = SCREE_OK;
+  }
+  return result;
 }
 
 static scree_result verify_asset(const scree_pack* pack, uint32_t asset) {
@@ -57,6 +72,7 @@ static scree_result verify_asset(const scree_pack* pack, uint32_t asset) {
     const pack_contact contact = scree_rt_pack_read_contact(pack, pack->assets[asset].first_contact + (uint64_t)i);
     if (contact.neighbour >= PACK_NEIGHBOURS || contact.seed >= pack->header->max_rocks_per_cell) result = SCREE_ERROR_CORRUPT;
   }
+  if (result == SCREE_OK && pack->models != NULL) result = verify_model(pack, asset);
   return result;
 }
 

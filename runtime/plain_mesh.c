@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "mesh_normals.h"
+#include "surface_bytes.h"
 
 /* Element `index` of an array of numbers of 1 or 2 bytes, which may lie anywhere. */
 static uint32_t number_at(const uint8_t* numbers, uint32_t size, size_t index) {
@@ -12,7 +13,7 @@ static uint32_t number_at(const uint8_t* numbers, uint32_t size, size_t index) {
   return wide;
 }
 
-bool scree_rt_plain_mesh_read(const uint8_t* blob, size_t blob_size, uint32_t vertex_count, uint32_t triangle_count,
+bool scree_rt_plain_mesh_read(const uint8_t* blob, size_t blob_size, uint32_t vertex_count, uint32_t triangle_count, bool model,
                               plain_mesh* out) {
   if (blob_size < PLAIN_MESH_HEAD || vertex_count > PLAIN_MESH_MAX_VERTICES) return false;
   memcpy(out->base, blob, sizeof out->base);
@@ -23,13 +24,17 @@ bool scree_rt_plain_mesh_read(const uint8_t* blob, size_t blob_size, uint32_t ve
   out->triangle_count = triangle_count;
   const uint64_t position_bytes = (uint64_t)vertex_count * 3 * out->position_size;
   const uint64_t index_bytes = (uint64_t)triangle_count * 3 * out->index_size;
-  if (blob_size != PLAIN_MESH_HEAD + position_bytes + vertex_count + index_bytes) return false;
+  const uint64_t surface_bytes = model ? (uint64_t)vertex_count * sizeof *out->surface : 0;
+  if (blob_size != PLAIN_MESH_HEAD + position_bytes + vertex_count + surface_bytes + index_bytes) return false;
   out->positions = blob + PLAIN_MESH_HEAD;
   out->occlusion = out->positions + position_bytes;
-  out->indices = out->occlusion + vertex_count;
+  out->surface = model ? (const uint8_t(*)[4])(out->occlusion + vertex_count) : NULL;
+  out->indices = out->occlusion + vertex_count + surface_bytes;
 
   for (size_t i = 0; i < (size_t)vertex_count * 3; ++i)
     if (out->base[i % 3] + (int32_t)number_at(out->positions, out->position_size, i) > INT16_MAX) return false;
+  for (size_t i = 0; i < vertex_count && model; ++i)
+    if (!scree_rt_surface_is_sound(out->surface[i])) return false;
   for (size_t i = 0; i < (size_t)triangle_count * 3; ++i)
     if (number_at(out->indices, out->index_size, i) >= vertex_count) return false;
   return true;
@@ -64,6 +69,7 @@ void scree_rt_plain_mesh_decode(const plain_mesh* mesh, scree_vertex* vertices, 
   for (uint32_t v = 0; v < mesh->vertex_count; ++v) {
     scree_vertex vertex = {.occlusion = mesh->occlusion[v]};
     for (uint32_t axis = 0; axis < 3; ++axis) vertex.position[axis] = (int16_t)scree_rt_plain_mesh_coordinate(mesh, v, axis);
+    if (mesh->surface != NULL) scree_rt_surface_decode(mesh->surface[v], &vertex);
     vertices[v] = vertex;
   }
   for (uint32_t first = 0; first < mesh->vertex_count; first += BATCH) {

@@ -1,8 +1,11 @@
-/* A mesh that needs no decoder: the coarsest level of every rock and proxy, which a stream has resident before anything else.
+/* A mesh that needs no decoder: the coarsest level of every rock, proxy and model, which a stream has resident before anything
+ * else.
  *
  *   0        6                7            8
  *   | i16[3] | u8             | u8         | u8 or u16 [vertices][3] | u8 [vertices] | u8 or u16 [triangles][3] |
- *     base     position bytes   index bytes  position - base           occlusion       corners */
+ *     base     position bytes   index bytes  position - base           occlusion       corners
+ *
+ * Models have u8 [vertices][4], see mesh_digest.h, between occlusion and corners. */
 #ifndef SCREE_PLAIN_MESH_H
 #define SCREE_PLAIN_MESH_H
 
@@ -16,11 +19,12 @@ typedef struct plain_mesh {
   uint32_t position_size, index_size; /* bytes of a coordinate and of an index: 1 or 2 */
   uint32_t vertex_count, triangle_count;
   const uint8_t *positions, *occlusion, *indices;
+  const uint8_t (*surface)[4]; /* NULL for rocks */
 } plain_mesh;
 
 /* Returns false where the bytes are not a plain mesh of just these numbers of vertices and triangles: another size, a position
- * beyond int16, an index out of range. */
-bool scree_rt_plain_mesh_read(const uint8_t* blob, size_t blob_size, uint32_t vertex_count, uint32_t triangle_count,
+ * beyond int16, an index out of range. model: it is one of a pack of models. */
+bool scree_rt_plain_mesh_read(const uint8_t* blob, size_t blob_size, uint32_t vertex_count, uint32_t triangle_count, bool model,
                               plain_mesh* out);
 
 /* One coordinate of a vertex. */

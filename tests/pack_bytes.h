@@ -34,7 +34,7 @@ static inline pack_header* header_of(uint8_t* bytes) {
   return (pack_header*)(void*)bytes;
 }
 
-/* Kinds count from 1, and a pack has all of them in order. */
+/* Kinds count from 1, and a pack has those of its kind in order. */
 static inline pack_section* section_of(uint8_t* bytes, uint32_t kind) {
   return (pack_section*)(void*)(bytes + sizeof(pack_header)) + (kind - 1);
 }

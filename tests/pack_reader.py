@@ -19,12 +19,13 @@ except ImportError:
     sys.exit(77)
 
 MAGIC = bytes([0x89, 0x53, 0x43, 0x52, 0x0D, 0x0A, 0x1A, 0x0A])
-RECIPE, TILES, CELLS, ASSETS, LODS, CONTACTS, HULLS, BLOB_INDEX, BLOBS = range(1, 10)
+RECIPE, TILES, CELLS, ASSETS, LODS, CONTACTS, HULLS, BLOB_INDEX, BLOBS, PARTS, MODELS = range(1, 12)
 ELEMENT_SIZES = {
-    RECIPE: [1], TILES: [4], CELLS: [4], ASSETS: [52], LODS: [16], CONTACTS: [8, 5], HULLS: [6, 3], BLOB_INDEX: [12], BLOBS: [1]
+    RECIPE: [1], TILES: [4], CELLS: [4], ASSETS: [52], LODS: [16], CONTACTS: [8, 5], HULLS: [6, 3], BLOB_INDEX: [12], BLOBS: [1],
+    PARTS: [4], MODELS: [24]
 }
 MAX_BURIAL = 7  # never hidden
-NAMES = ["recipe", "tiles", "cells", "assets", "lods", "contacts", "hulls", "blob_index", "blobs"]
+NAMES = ["recipe", "tiles", "cells", "assets", "lods", "contacts", "hulls", "blob_index", "blobs", "parts", "models"]
 
 
 class Corrupt(Exception):
@@ -40,12 +41,15 @@ def xxh3(data):
     return xxhash.xxh3_64_intdigest(data)
 
 
-def mesh_digest(positions, occlusion, triangles):
-    keys = [x & 0xFFFF | (y & 0xFFFF) << 16 | (z & 0xFFFF) << 32 | o << 48 for (x, y, z), o in zip(positions, occlusion)]
+def mesh_digest(positions, occlusion, triangles, surface=None):
+    keys = [(x & 0xFFFF | (y & 0xFFFF) << 16 | (z & 0xFFFF) << 32 | o << 48,) for (x, y, z), o in zip(positions, occlusion)]
+    if surface is not None:
+        keys = [key + (m | d << 8 | ((c - 128) & 0xFF) << 16,) for key, (m, d, c, _) in zip(keys, surface)]
     total = 0
     for a, b, c in triangles:
         a, b, c = keys[a], keys[b], keys[c]
-        total += xxh3(struct.pack("<3Q", *min((a, b, c), (b, c, a), (c, a, b))))
+        least = min(a + b + c, b + c + a, c + a + b)
+        total += xxh3(struct.pack(f"<{len(least)}Q", *least))
     return xxh3(struct.pack("<QQ", total % 2**64, len(triangles)))
 
 
@@ -62,21 +66,25 @@ class Pack:
         check(len(data) >= 64, "file is shorter than its header")
         check(data[:8] == MAGIC, "magic")
         self.format_version, self.section_count, self.file_size = struct.unpack_from("<IIQ", data, 8)
-        check(self.format_version == 2, "format version")
+        check(self.format_version == 3, "format version")
         (check_value,) = struct.unpack_from("<I", data, 60)
         check(check_value == xxh3(data[:60]) & 0xFFFFFFFF, "header check")
         check(self.file_size == len(data), "file size")
         self.table_digest, self.digest = struct.unpack_from("<QQ", data, 24)
-        self.cells_per_cube, self.lattice_per_cell, self.proxy_per_cell = struct.unpack_from("<IHH", data, 40)
+        self.cells_per_cube, kind, reserved, self.lattice_per_cell, self.proxy_per_cell = struct.unpack_from("<BBHHH", data, 40)
         self.lod_count, self.max_rocks_per_cell, self.max_radius = struct.unpack_from("<IIf", data, 48)
-        check(9 <= self.section_count <= 64, "section count")
-        check(1 <= self.cells_per_cube <= 16, "cells per cube")
+        check(kind <= 1 and reserved == 0, "kind of the pack")
+        self.models = kind == 1
+        self.kinds = range(1, 12 if self.models else 10)
+        check(len(self.kinds) <= self.section_count <= 64, "section count")
+        check(self.cells_per_cube == 0 if self.models else 1 <= self.cells_per_cube <= 16, "cells per cube")
         check(1 <= self.lattice_per_cell <= 4096, "lattice per cell")
-        check(self.proxy_per_cell <= 4096, "lattice of proxies")
+        check(self.proxy_per_cell <= (0 if self.models else 4096), "lattice of proxies")
+        self.reach = 4096 if self.models else 16
         self.proxy_count = 256 * 9 if self.proxy_per_cell > 0 else 0
         check(1 <= self.lod_count <= 8, "lod count")
         check(1 <= self.max_rocks_per_cell <= 255, "rocks per cell")
-        check(0 < self.max_radius <= 16, "largest radius")
+        check(0 < self.max_radius <= self.reach, "largest radius")
 
     def read_sections(self):
         data = self.data
@@ -95,11 +103,12 @@ class Pack:
             check(xxh3(content) == digest, f"digest of section {i}")
             if kind not in ELEMENT_SIZES:
                 continue
-            check(element_size in ELEMENT_SIZES[kind] and kind not in self.sections, f"kind of section {i}")
+            check(kind in self.kinds and kind not in self.sections, f"kind of section {i}")
+            check(element_size in ELEMENT_SIZES[kind], f"size of the elements of section {i}")
             self.sections[kind], self.element_size[kind], digests[kind] = content, element_size, digest
         check(end == len(data), "bytes after the last section")
-        check(len(self.sections) == len(ELEMENT_SIZES), "a section is missing")
-        canonical = data[40:60] + b"".join(struct.pack("<Q", digests[kind]) for kind in range(RECIPE, HULLS + 1))
+        check(len(self.sections) == len(self.kinds), "a section is missing")
+        canonical = data[40:60] + b"".join(struct.pack("<Q", digests[k]) for k in self.kinds if k not in (BLOB_INDEX, BLOBS))
         check(xxh3(canonical) == self.digest, "pack digest")
 
     def elements(self, kind):
@@ -115,13 +124,16 @@ class Pack:
         check(self.cell_count >= 1 and self.asset_count >= 1, "counts")
         check(self.elements(TILES) == 256 * n**3, "size of the tiles")
         self.tiles = struct.unpack(f"<{self.elements(TILES)}I", self.sections[TILES])
-        check(max(self.tiles) < self.cell_count, "a tile names a cell that is not there")
+        check(max(self.tiles, default=0) < self.cell_count, "a tile names a cell that is not there")
         self.first_asset = struct.unpack(f"<{self.cell_count + 1}I", self.sections[CELLS])
         check(self.first_asset[0] == 0 and self.first_asset[-1] == self.asset_count, "ends of the cells")
         for a, b in zip(self.first_asset, self.first_asset[1:]):
             check(a <= b <= a + self.max_rocks_per_cell, "rocks of a cell")
         for kind in (LODS, BLOB_INDEX):
             check(self.elements(kind) == (self.asset_count + self.proxy_count) * self.lod_count, f"size of section {kind}")
+        if self.models:
+            check(self.elements(CONTACTS) == 0 and self.elements(MODELS) == self.asset_count, "sizes of the sections of models")
+            check(self.elements(PARTS) >= 1, "size of the parts")
 
     def read_assets(self):
         names = "cell first_contact first_hull contact_count burial hull_count seed".split()
@@ -136,8 +148,13 @@ class Pack:
         layout = "<3hBB" if self.element_size[CONTACTS] == 8 else "<3bBB"
         self.contacts = list(struct.iter_unpack(layout, self.sections[CONTACTS]))
         self.blob_index = list(struct.iter_unpack("<III", self.sections[BLOB_INDEX]))
+        if self.models:
+            self.part_first = struct.unpack(f"<{self.elements(PARTS)}I", self.sections[PARTS])
+            self.model_records = list(struct.iter_unpack("<3f3I", self.sections[MODELS]))
         for number, asset in enumerate(self.assets):
             self.check_asset(number, asset)
+            if self.models:
+                self.check_model(number, asset)
         for number in range(self.asset_count + self.proxy_count):
             self.check_levels(number)
 
@@ -153,7 +170,7 @@ class Pack:
         check(4 <= asset["hull_count"] <= 64, name + "hull count")
         check(asset["first_hull"] + asset["hull_count"] <= self.elements(HULLS), name + "hull")
         for low, high, centre in zip(asset["bounds_min"], asset["bounds_max"], asset["centroid"]):
-            check(low <= high and -16 <= centre <= 16, name + "bounds or centroid")
+            check(low <= high and abs(centre) <= self.reach, name + "bounds or centroid")
         check(0 <= asset["volume"] <= 8 * self.max_radius**3, name + "volume")
         check(0 < asset["outer_radius"] <= self.max_radius, name + "outer radius")
         check(0 <= asset["inner_radius"] <= asset["outer_radius"], name + "inner radius")
@@ -163,6 +180,17 @@ class Pack:
             check(previous < contact[3:5], name + "order of contacts")
             previous = contact[3:5]
 
+    def check_model(self, number, asset):
+        name = f"model {number}: "
+        check(asset["burial"] == MAX_BURIAL, name + "burial")
+        check(asset["seed"] == number - self.first_asset[asset["cell"]], name + "age")
+        footprint, height, share, _, first, count = self.model_records[number]
+        check(0 <= footprint <= self.reach and 0 <= height <= self.reach and 0 <= share <= 1, name + "sizes")
+        check(1 <= count <= 255 and first + count < len(self.part_first), name + "parts")
+        for part in range(first, first + count):
+            begin, end = self.part_first[part : part + 2]
+            check(4 <= end - begin <= 64 and end <= self.elements(HULLS), name + "a part")
+
     def check_levels(self, number):
         name = f"mesh {number}: "
         for lod in range(self.lod_count):
@@ -170,7 +198,8 @@ class Pack:
             offset, size, vertices = self.blob_index[number * self.lod_count + lod]
             check(4 * offset + size <= len(self.sections[BLOBS]), name + "blob")
             check(1 <= triangles <= 16 * size and vertices <= 3 * triangles, name + "triangles")
-            check(0 <= error <= 16, name + "error")
+            check(0 <= error <= self.reach, name + "error")
+            check(not self.models or vertices <= 65536, name + "vertices")
             blob = self.sections[BLOBS][4 * offset : 4 * offset + size]
             if lod + 1 == self.lod_count:
                 self.check_plain_mesh(name, blob, vertices, triangles, digest)
@@ -182,15 +211,21 @@ class Pack:
         check(vertices <= 65536 and len(blob) >= 8, name + "plain mesh")
         *base, position_size, index_size = struct.unpack_from("<3hBB", blob)
         check(position_size in (1, 2) and index_size in (1, 2), name + "widths of a plain mesh")
-        check(len(blob) == 8 + (3 * position_size + 1) * vertices + 3 * index_size * triangles, name + "size of a plain mesh")
-        layout = f"<{3 * vertices}{'BH'[position_size - 1]}{vertices}B{3 * triangles}{'BH'[index_size - 1]}"
+        extra = 4 * vertices if self.models else 0
+        size = 8 + (3 * position_size + 1) * vertices + extra + 3 * index_size * triangles
+        check(len(blob) == size, name + "size of a plain mesh")
+        layout = f"<{3 * vertices}{'BH'[position_size - 1]}{vertices}B{extra}B{3 * triangles}{'BH'[index_size - 1]}"
         numbers = struct.unpack_from(layout, blob, 8)
-        steps, occlusion, corners = numbers[: 3 * vertices], numbers[3 * vertices : 4 * vertices], numbers[4 * vertices :]
+        steps, occlusion = numbers[: 3 * vertices], numbers[3 * vertices : 4 * vertices]
+        surface = [numbers[4 * vertices + i : 4 * vertices + i + 4] for i in range(0, extra, 4)] if self.models else None
+        for bytes_of in surface or []:
+            check(bytes_of[0] % 16 <= 1 and bytes_of[2] > 0 and bytes_of[3] == 0, name + "surface of a plain mesh")
+        corners = numbers[4 * vertices + extra :]
         positions = [tuple(b + s for b, s in zip(base, steps[i : i + 3])) for i in range(0, len(steps), 3)]
         check(all(max(p) < 32768 for p in positions), name + "positions of a plain mesh")
         check(max(corners) < vertices, name + "triangles of a plain mesh")
         mesh = [corners[i : i + 3] for i in range(0, len(corners), 3)]
-        check(mesh_digest(positions, occlusion, mesh) == digest, name + "digest of a plain mesh")
+        check(mesh_digest(positions, occlusion, mesh, surface) == digest, name + "digest of a plain mesh")
 
     def contacts_of(self, asset):
         return self.contacts[asset["first_contact"] : asset["first_contact"] + asset["contact_count"]]
@@ -230,7 +265,7 @@ def compare(pack, info):
     same("cells", pack.cell_count, info["cells"])
     same("assets", pack.asset_count, info["assets"])
     same("recipe", json.dumps(pack.recipe, sort_keys=True), json.dumps(info["recipe"], sort_keys=True))
-    for kind, name in enumerate(NAMES, 1):
+    for kind, name in enumerate(NAMES[: len(pack.kinds)], 1):
         same(f"sections.{name}", len(pack.sections[kind]), info["sections"][name])
     same("contacts", len(pack.contacts), info["contacts"])
     same("proxy_count", pack.proxy_count, info["proxy_count"])
@@ -275,6 +310,9 @@ def main():
         corners = [(0, 0, 0), (10, 0, 0), (0, 10, 0), (0, 0, 10)]
         example = mesh_digest(corners, [0, 85, 170, 255], [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)])
         check(example == 0x87865A563AD6A90A, "the example of the digest of a mesh")
+        surface = [(0, 64, 128, 0), (16, 0, 1, 0), (33, 255, 255, 0), (1, 128, 100, 0)]
+        example = mesh_digest(corners, [0, 85, 170, 255], [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)], surface)
+        check(example == 0x90D6656EE2BD09DA, "the example of the digest of the mesh of a model")
         with open(path, "rb") as file:
             pack = Pack(file.read())
         if info_program:

@@ -38,8 +38,8 @@ static decoded_mesh decode_or_fail(const rock_lod* level) {
   /* An exact-size copy, so that a sanitizer sees a read past its end. */
   uint8_t* blob = checked(malloc(level->blob_size + 1));
   memcpy(blob + 1, level->blob, level->blob_size);
-  assert_int_equal(scree_rt_draco_decode_blob(blob + 1, level->blob_size, level->vertex_count, level->triangle_count, mesh.vertices,
-                                              mesh.indices, 4),
+  assert_int_equal(scree_rt_draco_decode_blob(blob + 1, level->blob_size, level->vertex_count, level->triangle_count, false,
+                                              mesh.vertices, mesh.indices, 4),
                    SCREE_OK);
   free(blob);
   return mesh;
@@ -181,8 +181,8 @@ static void a_level_without_triangles_is_empty(void** state) {
   assert_null(level.blob);
   assert_int_equal(level.blob_size + level.vertex_count + level.triangle_count, 0);
   assert_true(level.digest == scree_mesh_digest(NULL, 0, NULL, 0));
-  assert_int_equal(scree_rt_draco_decode_blob(NULL, 0, 0, 0, NULL, NULL, 2), SCREE_OK);
-  assert_int_equal(scree_rt_draco_decode_blob(NULL, 0, 1, 0, NULL, NULL, 2), SCREE_ERROR_CORRUPT);
+  assert_int_equal(scree_rt_draco_decode_blob(NULL, 0, 0, 0, false, NULL, NULL, 2), SCREE_OK);
+  assert_int_equal(scree_rt_draco_decode_blob(NULL, 0, 1, 0, false, NULL, NULL, 2), SCREE_ERROR_CORRUPT);
 }
 
 static void triangles_that_draco_would_drop_are_refused(void** state) {
@@ -267,7 +267,7 @@ static void rebuilt_normals_are_area_weighted_and_unit(void** state) {
         assert_true(fabs(mesh.vertices[i].normal[k] - component * 32767) <= 0.54);
         outwards += mesh.vertices[i].normal[k] * (double)mesh.vertices[i].position[k];
       }
-      assert_int_equal(mesh.vertices[i].padding, 0);
+      assert_int_equal(mesh.vertices[i].durability | mesh.vertices[i].curvature, 0);
       assert_int_equal(mesh.vertices[i].material, 0);
     }
     assert_true(outwards > 0); /* triangles are still counter-clockwise from outside */
@@ -355,8 +355,9 @@ static void every_truncated_blob_is_rejected(void** state) {
     for (uint32_t length = 0; length < level.blob_size; ++length) {
       uint8_t* cut = checked(malloc(length > 0 ? length : 1));
       memcpy(cut, level.blob, length);
-      assert_int_equal(scree_rt_draco_decode_blob(cut, length, level.vertex_count, level.triangle_count, vertices, indices, 2),
-                       SCREE_ERROR_CORRUPT);
+      assert_int_equal(
+          scree_rt_draco_decode_blob(cut, length, level.vertex_count, level.triangle_count, false, vertices, indices, 2),
+          SCREE_ERROR_CORRUPT);
       free(cut);
     }
     free(vertices);
@@ -392,8 +393,8 @@ static void changed_blobs_never_crash_the_decoder(void** state) {
         random = hash_mix(random + 1);
         blob[i] = turn == 0 ? 0 : turn == 1 ? 255 : (uint8_t)(blob[i] ^ 1 << random % 8);
         if (turn > 3) blob[(random >> 8) % level.blob_size] = (uint8_t)(random >> 40);
-        const scree_result result =
-            scree_rt_draco_decode_blob(blob, level.blob_size, level.vertex_count, level.triangle_count, vertices, indices, 4);
+        const scree_result result = scree_rt_draco_decode_blob(blob, level.blob_size, level.vertex_count, level.triangle_count,
+                                                               false, vertices, indices, 4);
         if (result == SCREE_OK) {
           for (size_t k = 0; k < index_count; ++k) assert_true(indices[k] < level.vertex_count);
           ++accepted;
@@ -420,7 +421,7 @@ static void counts_that_do_not_match_the_record_are_refused(void** state) {
   for (uint32_t v = 0; v <= 8; ++v)
     for (uint32_t t = 0; t <= 8; ++t) {
       const scree_result expected = v == 4 && t == 4 ? SCREE_OK : v == 0 && t == 0 ? SCREE_OK : SCREE_ERROR_CORRUPT;
-      assert_int_equal(scree_rt_draco_decode_blob(level.blob, level.blob_size, v, t, vertices, indices, 4), expected);
+      assert_int_equal(scree_rt_draco_decode_blob(level.blob, level.blob_size, v, t, false, vertices, indices, 4), expected);
     }
   release_blob(&level);
 }
@@ -441,7 +442,7 @@ static void blobs_that_claim_more_than_the_record_are_refused_before_memory_is_t
   memcpy(blob + HEAD + sizeof many, level.blob + KEPT, level.blob_size - KEPT);
   scree_vertex vertices[4];
   uint32_t indices[12];
-  assert_int_equal(scree_rt_draco_decode_blob(blob, level.blob_size + sizeof many - 4, 4, 4, vertices, indices, 4),
+  assert_int_equal(scree_rt_draco_decode_blob(blob, level.blob_size + sizeof many - 4, 4, 4, false, vertices, indices, 4),
                    SCREE_ERROR_CORRUPT);
   free(blob);
   release_blob(&level);
@@ -459,7 +460,7 @@ static void every_failed_allocation_of_the_encoder_is_reported(void** state) {
     rock_lod level;
     scree_result result = draco_encode(&tetrahedron, &allocator, &level);
     if (result == SCREE_OK) {
-      result = scree_rt_draco_decode_blob(level.blob, level.blob_size, 4, 4, vertices, indices, 2);
+      result = scree_rt_draco_decode_blob(level.blob, level.blob_size, 4, 4, false, vertices, indices, 2);
       scree_rt_release(&allocator, level.blob, level.blob_size, 1);
     }
     assert_int_equal(memory.live, 0);

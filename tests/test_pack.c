@@ -258,7 +258,7 @@ static void flipped_bytes_with_digests_to_match_never_crash_a_reader(void** stat
   const size_t blobs = (size_t)section_of(bytes, PACK_BLOBS)->offset;
   uint64_t random = 7;
   uint32_t opened = 0;
-  for (size_t i = sizeof(pack_header) + PACK_SECTION_KINDS * sizeof(pack_section); i < blobs; ++i)
+  for (size_t i = sizeof(pack_header) + PACK_TILE_KINDS * sizeof(pack_section); i < blobs; ++i)
     for (int turn = 0; turn < 2; ++turn) {
       memcpy(changed, bytes, size);
       changed[i] = turn == 0 ? 0xff : (uint8_t)(random = hash_mix(random + 1));
@@ -288,13 +288,13 @@ static void random_headers_and_tables_never_crash_a_reader(void** state) {
   for (int turn = 0; turn < 20000; ++turn) {
     memcpy(changed, bytes, size);
     random = hash_mix(random + 1);
-    const size_t table = sizeof(pack_header) + PACK_SECTION_KINDS * sizeof(pack_section);
+    const size_t table = sizeof(pack_header) + PACK_TILE_KINDS * sizeof(pack_section);
     const size_t at = 12 + (random >> 8) % (table - 12 - 8) / 4 * 4;
     const uint64_t value = random & 1 ? extremes[(random >> 1) % 9] : random >> (random >> 1 & 31);
     memcpy(changed + at, &value, random & 2 ? 4 : 8);
     /* Re-seals by hand what can be sealed: the section count itself may be what was changed. */
     pack_header* header = header_of(changed);
-    const uint64_t count = header->section_count < PACK_SECTION_KINDS ? header->section_count : PACK_SECTION_KINDS;
+    const uint64_t count = header->section_count < PACK_TILE_KINDS ? header->section_count : PACK_TILE_KINDS;
     header->table_digest = scree_rt_pack_bytes_digest(changed + sizeof *header, (size_t)count * sizeof(pack_section));
     const pack_section* sections[PACK_SECTION_KINDS];
     for (uint32_t i = 0; i < PACK_SECTION_KINDS; ++i) sections[i] = section_of(changed, i + 1);
@@ -349,7 +349,7 @@ static void sections_past_the_end_misplaced_doubled_or_missing_are_rejected(void
   blobs->size = 128;
   header_of(bytes)->file_size = size;
   /* Sealed by hand: this section wraps around, and a helper that hashed it would read outside. */
-  header_of(bytes)->table_digest = scree_rt_pack_bytes_digest(section_of(bytes, 1), PACK_SECTION_KINDS * sizeof(pack_section));
+  header_of(bytes)->table_digest = scree_rt_pack_bytes_digest(section_of(bytes, 1), PACK_TILE_KINDS * sizeof(pack_section));
   header_of(bytes)->header_check = scree_rt_pack_header_check(header_of(bytes));
   scree_pack* pack;
   assert_int_equal(scree_pack_open_memory(bytes, size, NULL, &pack), SCREE_ERROR_CORRUPT);
@@ -357,12 +357,12 @@ static void sections_past_the_end_misplaced_doubled_or_missing_are_rejected(void
   *blobs = kept;
   blobs->kind = PACK_HULLS;
   blobs->element_size = 3;
-  header_of(bytes)->table_digest = scree_rt_pack_bytes_digest(section_of(bytes, 1), PACK_SECTION_KINDS * sizeof(pack_section));
+  header_of(bytes)->table_digest = scree_rt_pack_bytes_digest(section_of(bytes, 1), PACK_TILE_KINDS * sizeof(pack_section));
   header_of(bytes)->header_check = scree_rt_pack_header_check(header_of(bytes));
   assert_int_equal(scree_pack_open_memory(bytes, size, NULL, &pack), SCREE_ERROR_CORRUPT);
   *blobs = kept;
   blobs->kind = 77;
-  header_of(bytes)->table_digest = scree_rt_pack_bytes_digest(section_of(bytes, 1), PACK_SECTION_KINDS * sizeof(pack_section));
+  header_of(bytes)->table_digest = scree_rt_pack_bytes_digest(section_of(bytes, 1), PACK_TILE_KINDS * sizeof(pack_section));
   header_of(bytes)->header_check = scree_rt_pack_header_check(header_of(bytes));
   assert_int_equal(scree_pack_open_memory(bytes, size, NULL, &pack), SCREE_ERROR_CORRUPT);
   free(bytes);

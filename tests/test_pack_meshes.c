@@ -75,13 +75,13 @@ static void coarsest_levels_decode_without_draco_to_what_draco_gives(void** stat
     widths |= 1u << (plain.blob[6] - 1 + 2 * (plain.blob[7] - 1));
 
     plain_mesh read;
-    assert_true(scree_rt_plain_mesh_read(plain.blob, plain.blob_size, plain.vertex_count, plain.triangle_count, &read));
+    assert_true(scree_rt_plain_mesh_read(plain.blob, plain.blob_size, plain.vertex_count, plain.triangle_count, false, &read));
     scree_vertex* vertices = malloc((plain.vertex_count + draco.vertex_count) * sizeof *vertices);
     uint32_t* indices = malloc((size_t)plain.triangle_count * 6 * sizeof *indices);
     assert_true(vertices != NULL && indices != NULL);
     scree_vertex* other = vertices + plain.vertex_count;
     scree_rt_plain_mesh_decode(&read, vertices, indices, 4);
-    assert_int_equal(scree_rt_draco_decode_blob(draco.blob, draco.blob_size, draco.vertex_count, draco.triangle_count, other,
+    assert_int_equal(scree_rt_draco_decode_blob(draco.blob, draco.blob_size, draco.vertex_count, draco.triangle_count, false, other,
                                                 indices + (size_t)plain.triangle_count * 3, 4),
                      SCREE_OK);
     assert_true(scree_mesh_digest(vertices, plain.vertex_count, indices, plain.triangle_count) == plain.digest);

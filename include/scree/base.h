@@ -46,7 +46,8 @@ typedef enum scree_result {
   SCREE_ERROR_NOT_CLOSED = 11, /* a triangle mesh with a border, a flipped or a shared edge */
   SCREE_ERROR_SYNTAX = 12,     /* text that is not the JSON that was expected */
   SCREE_ERROR_RANGE = 13,      /* a number outside its documented range */
-  SCREE_ERROR_CANCELLED = 14   /* the progress callback asked to stop */
+  SCREE_ERROR_CANCELLED = 14,  /* the progress callback asked to stop */
+  SCREE_ERROR_PACK_KIND = 15   /* a pack of models where one of tiles is needed, or the other way round */
 } scree_result;
 
 /* The code's name and meaning as one short English phrase, static storage. Any value is accepted. Thread-safe. */

@@ -26,6 +26,10 @@ SCREE_API scree_result scree_draco_decode_u32(const scree_pack* pack, uint32_t a
 SCREE_API uint64_t scree_mesh_digest(const scree_vertex* vertices, size_t vertex_count, const uint32_t* indices,
                                      size_t triangle_count);
 
+/* The same for meshes of packs of models, whose digest sees material, durability and curvature too. */
+SCREE_API uint64_t scree_model_mesh_digest(const scree_vertex* vertices, size_t vertex_count, const uint32_t* indices,
+                                           size_t triangle_count);
+
 #ifdef __cplusplus
 }
 #endif

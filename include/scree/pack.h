@@ -13,11 +13,13 @@ typedef struct scree_pack scree_pack;
 
 /* A vertex of a mesh, 16 bytes, ready for a vertex buffer. */
 typedef struct scree_vertex {
-  int16_t position[3]; /* lattice steps relative to the home cell's centre; times cell_size / lattice_per_cell = metres */
+  int16_t position[3]; /* lattice steps relative to the home cell's centre, of a model to the middle of its foot on the ground;
+                          times cell_size / lattice_per_cell = metres */
   uint8_t occlusion;   /* ambient visibility, 255 = open sky, 0 = wholly hidden; linear */
-  uint8_t material;    /* 0 = rock; others are reserved */
+  uint8_t material;    /* low 4 bits: 0 = rock, 1 = colluvium; high 4 bits: the bed, 0..15, see scree_surface_vertex.layer */
   int16_t normal[3];   /* unit normal, signed normalised: value / 32767 */
-  int16_t padding;     /* 0 */
+  uint8_t durability;  /* of the rock beneath: 4 * value / 255, where 255 also means more; 0 in packs of tiles */
+  int8_t curvature;    /* -127..127 = -1..1: < 0 = hollows, > 0 = edges and tips; 0 in packs of tiles */
 } scree_vertex;
 
 /* Opens a pack that lies in memory. Checks the header and the section table only, so the cost does not depend on the number
@@ -41,16 +43,25 @@ SCREE_API void scree_pack_close(scree_pack* pack);
  * Returns SCREE_OK, SCREE_ERROR_DIGEST or SCREE_ERROR_CORRUPT. */
 SCREE_API scree_result scree_pack_verify(const scree_pack* pack);
 
+/* What a pack holds. */
+typedef enum scree_pack_kind {
+  SCREE_PACK_TILES = 0, /* rocks that fill tiles: for fields */
+  SCREE_PACK_MODELS = 1 /* models that stand by themselves, hoodoos for instance: variants, each in several ages. A cell is a metre
+                           at scale 1, and variants and ages take the places of cells and seeds */
+} scree_pack_kind;
+
 typedef struct scree_pack_info {
   uint32_t format_version;
-  uint32_t cells_per_cube;     /* N, cells per side of a corner cube; the recipe's and the paper's n is N + 1 */
+  scree_pack_kind kind;
+  uint32_t cells_per_cube;     /* N, cells per side of a corner cube; the recipe's and the paper's n is N + 1; 0 for models */
   uint32_t lattice_per_cell;   /* lattice steps per cell: a vertex at `v` lies v / lattice_per_cell cells from its cell's centre */
-  uint32_t cell_count;         /* unique cells: 2 + 12(N-1) + 48(N-1)^2 + 256(N-1)^3 */
-  uint32_t asset_count;        /* unique rocks */
+  uint32_t cell_count;         /* unique cells: 2 + 12(N-1) + 48(N-1)^2 + 256(N-1)^3; for models, variants */
+  uint32_t variant_count;      /* of models; 0 in packs of tiles */
+  uint32_t asset_count;        /* unique rocks; models, which are variants x ages */
   uint32_t lod_count;          /* levels of every asset, finest first, >= 1 */
   uint32_t proxy_count;        /* merged meshes of tiles, numbered from asset_count on: 256 * 9, or 0 */
   uint32_t proxy_per_cell;     /* lattice steps per cell of their vertices */
-  uint32_t max_rocks_per_cell; /* seeds are numbered below this, so no cell has more rocks; >= 1 */
+  uint32_t max_rocks_per_cell; /* seeds are numbered below this, so no cell has more rocks, and no variant more ages; >= 1 */
   float max_radius;            /* largest outer radius of all assets, cells */
   uint64_t digest;             /* of everything baked, however it was encoded; compare this between builds */
   const char* recipe;          /* the recipe's JSON, NUL-terminated, owned by the pack */
@@ -69,12 +80,13 @@ typedef struct scree_pack_section {
   uint64_t digest;   /* XXH3-64 of its bytes, as the file says; scree_pack_verify checks it */
 } scree_pack_section;
 
-#define SCREE_PACK_SECTIONS 9
+#define SCREE_PACK_SECTIONS 11 /* at most; packs of tiles have the first 9 */
 
-/* index: 0..SCREE_PACK_SECTIONS - 1. Returns SCREE_OK or INVALID_ARGUMENT. */
+/* index: 0..SCREE_PACK_SECTIONS - 1. Returns SCREE_OK, or INVALID_ARGUMENT, also for a section that packs of this kind lack. */
 SCREE_API scree_result scree_pack_get_section(const scree_pack* pack, uint32_t index, scree_pack_section* out);
 
-/* One rock, without its meshes. Lengths in cells, positions relative to the centre of the rock's home cell. */
+/* One rock, without its meshes. Lengths in cells, positions relative to the centre of the rock's home cell. Models have this record
+ * too, with variant and age as cell and seed, metres for cells and no contacts; see scree_pack_get_model. */
 typedef struct scree_asset {
   uint32_t cell;          /* unique cell this rock belongs to */
   uint32_t seed;          /* which of the cell's seeds */
@@ -88,7 +100,7 @@ typedef struct scree_asset {
   uint32_t hull_vertices; /* vertices of the convex hull, 4..64 */
   uint32_t burial; /* b: while every rock of the (2b + 1)^3 cells round its own exists, next to nobody sees it from outside: of the
                       thousands of lines of sight from its surface that the bake follows, rocks of the (2b - 1)^3 cells stop every
-                      one; 1..SCREE_BURIAL_NEVER - 1, or SCREE_BURIAL_NEVER: no such b is known */
+                      one; 1..SCREE_BURIAL_NEVER - 1, or SCREE_BURIAL_NEVER: no such b is known, as of models */
 } scree_asset;
 
 #define SCREE_BURIAL_NEVER 7
@@ -100,9 +112,9 @@ SCREE_API scree_result scree_pack_get_asset(const scree_pack* pack, uint32_t ass
 typedef struct scree_lod {
   uint32_t vertices;  /* as decoded */
   uint32_t triangles; /* >= 1; a level that would be too coarse for a rock repeats the one before it */
-  float error; /* of a rock: largest distance from a vertex of LOD 0 to this level's surface, cells; 0 for LOD 0. Of a proxy: the
-                  distance to it that 95 of 100 points of the outer surface of its rocks do not pass */
-  uint64_t digest;     /* of the canonical mesh, see docs/pack_format.md */
+  float error;     /* of a rock or model: largest distance from a vertex of LOD 0 to this level's surface, cells; 0 for LOD 0. Of a
+                      proxy: the     distance to it that 95 of 100 points of the outer surface of its rocks do not pass */
+  uint64_t digest; /* of the canonical mesh, see docs/pack_format.md */
   const uint8_t* blob; /* inside the pack: Draco bytes, or at the coarsest level a plain mesh */
   size_t blob_size;
 } scree_lod;
@@ -146,6 +158,32 @@ SCREE_API scree_result scree_pack_get_hull(const scree_pack* pack, uint32_t asse
 SCREE_API scree_result scree_pack_tile_cell(const scree_pack* pack, uint32_t code, uint32_t x, uint32_t y, uint32_t z,
                                             uint32_t* cell);
 SCREE_API scree_result scree_pack_cell_assets(const scree_pack* pack, uint32_t cell, uint32_t* first, uint32_t* count);
+
+/* --- models ----------------------------------------------------------------------------------------------------------------- */
+
+/* What models have beside a scree_asset. Metres at scale 1; the origin is the middle of the foot, at the height of the ground, so y
+ * is the height above the ground, and meshes may reach below it. */
+typedef struct scree_model {
+  uint32_t variant;    /* 0..variant_count - 1 */
+  uint32_t age;        /* 0 = youngest */
+  float footprint;     /* what stands at the height of the ground stays within this distance of the origin */
+  float height;        /* above the ground */
+  float share;         /* of the volume of rock at the start that is left, 0..1 */
+  uint32_t steps;      /* of weathering since the start */
+  uint32_t part_count; /* convex parts, 1..255 */
+} scree_model;
+
+/* Returns SCREE_OK, INVALID_ARGUMENT (asset out of range, a pack of tiles) or CORRUPT. */
+SCREE_API scree_result scree_pack_get_model(const scree_pack* pack, uint32_t asset, scree_model* out);
+
+/* The asset of a variant at an age. How many ages a variant has: scree_pack_cell_assets. Returns UINT32_MAX if the arguments are
+ * out of range or the pack is one of tiles. */
+SCREE_API uint32_t scree_pack_model(const scree_pack* pack, uint32_t variant, uint32_t age);
+
+/* Copies the vertices of one convex part of a model, for physics; all parts together cover it better than its one hull does. Same
+ * rules as scree_pack_get_hull. part: 0..part_count - 1; 4..64 vertices. */
+SCREE_API scree_result scree_pack_get_part(const scree_pack* pack, uint32_t asset, uint32_t part, int16_t* xyz, uint32_t capacity,
+                                           uint32_t* count);
 
 #ifdef __cplusplus
 }

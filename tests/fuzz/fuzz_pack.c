@@ -26,7 +26,7 @@ static void reseal(uint8_t* bytes, size_t size) {
         ++found;
       }
     header.table_digest = scree_rt_pack_bytes_digest(table, header.section_count * sizeof *table);
-    if (found == PACK_SECTION_KINDS) header.pack_digest = scree_rt_pack_digest(&header, sections);
+    if (found == scree_rt_pack_kinds(&header)) header.pack_digest = scree_rt_pack_digest(&header, sections);
   }
   header.header_check = scree_rt_pack_header_check(&header);
   memcpy(bytes, &header, sizeof header);
@@ -48,7 +48,7 @@ static void read_mesh(const scree_pack* pack, uint32_t asset, uint32_t lod) {
   scree_pack_get_info(pack, &info);
   if (lod + 1 == info.lod_count && scree_pack_coarse_mesh(pack, asset, vertices, level.vertices, narrow, indices) == SCREE_OK)
     for (uint32_t i = 0; i < level.vertices; ++i)
-      if (vertices[i].padding != 0) abort();
+      if (info.kind == SCREE_PACK_TILES && (vertices[i].material | vertices[i].durability | vertices[i].curvature) != 0) abort();
   free(narrow);
   free(wide);
   free(vertices);
@@ -87,6 +87,11 @@ static void read_through(const void* bytes, size_t size) {
     scree_pack_get_asset(pack, a, &asset);
     scree_pack_get_contacts(pack, a, contacts, 8, &count);
     scree_pack_get_hull(pack, a, hull, PACK_MAX_HULL, &count);
+    scree_model model;
+    if (scree_pack_get_model(pack, a, &model) == SCREE_OK) {
+      for (uint32_t part = 0; part < model.part_count; ++part) scree_pack_get_part(pack, a, part, hull, PACK_MAX_HULL, &count);
+      if (scree_pack_model(pack, model.variant, model.age) == info.asset_count) abort();
+    }
     for (uint32_t lod = 0; lod < info.lod_count; ++lod) read_mesh(pack, a, lod);
   }
   for (uint32_t part = 0; part < 9 && info.proxy_count > 0; ++part)
