@@ -17,14 +17,10 @@ enum {
 };
 
 typedef struct weather_lod {
-  lattice_mesh mesh;       /* triangles of rock first, then those of colluvium; error in voxels; closed, manifold, none flat */
+  lattice_mesh mesh;       /* with its surface; triangles of rock first, then those of colluvium; error in voxels; closed, manifold,
+                              none flat */
   uint32_t rock_triangles; /* of mesh.triangle_count */
   uint32_t level;          /* of scree_mesher_update that it was made from */
-  /* One a vertex, as mesh.positions and mesh.occlusion. */
-  uint8_t* material;   /* scree_surface_vertex.material */
-  uint8_t* layer;      /* scree_surface_vertex.layer */
-  uint8_t* durability; /* 255 * d / (1 + d): 128 = durability 1 */
-  uint8_t* curvature;  /* 128 + 127 * curvature */
 } weather_lod;
 
 /* A convex part: vertices first .. first + count - 1 of part_vertices. */
@@ -41,8 +37,9 @@ typedef struct weather_asset {
   /* Of lods[0]. Lattice steps; the rest in voxels. Positions are relative to the lattice's origin. */
   int16_t bounds_min[3], bounds_max[3];
   float centroid[3], volume;
-  float inner_radius, outer_radius;     /* balls around the centroid: inside the shape, and around it */
-  float footprint[2], footprint_radius; /* x, z and radius of a circle on the ground that holds all that stands on it */
+  float inner_radius, outer_radius; /* balls around the centroid: inside the shape, and around it */
+  float footprint;                  /* what stands on the ground stays within this distance of the lattice's origin */
+  float height;                     /* above the ground */
 
   /* Convex hulls: one over all, and the parts that fit closer where the shape is not convex. part_count = 1: the hull is right. */
   int16_t hull[ROCK_MAX_HULL][3]; /* lattice steps */
