@@ -5,12 +5,18 @@
 #include "scene_layers.h"
 #include "support_text.h"
 
+#define LONE_MASK UINT32_MAX /* in place of a layer */
+
 static scree_result wrong(scree_result code, uint32_t layer, uint32_t filter, const char* what, scree_error* error) {
-  scree_rt_text_add(error, "layer ");
-  scree_rt_text_add_count(error, layer);
-  scree_rt_text_add(error, ", filter ");
-  scree_rt_text_add_count(error, filter);
-  scree_rt_text_add(error, ": ");
+  if (layer == LONE_MASK) {
+    scree_rt_text_add(error, "age_mask: ");
+  } else {
+    scree_rt_text_add(error, "layer ");
+    scree_rt_text_add_count(error, layer);
+    scree_rt_text_add(error, ", filter ");
+    scree_rt_text_add_count(error, filter);
+    scree_rt_text_add(error, ": ");
+  }
   scree_rt_text_add(error, what);
   return code;
 }
@@ -65,6 +71,12 @@ scree_result scree_rt_scene_check_filters(const scree_layer* layer, uint32_t ind
   return SCREE_OK;
 }
 
+scree_result scree_rt_scene_check_mask(const scree_filter* mask, scree_error* error) {
+  if (mask->kind != SCREE_FILTER_MASK)
+    return wrong(SCREE_ERROR_INVALID_ARGUMENT, LONE_MASK, 0, "it has to be of kind MASK", error);
+  return check_image(mask, LONE_MASK, 0, error);
+}
+
 /* The patch of an image that a place lies in, and where in it. */
 typedef struct image_place {
   double corner[4]; /* at (0, 0), (1, 0), (0, 1), (1, 1) */
@@ -99,7 +111,7 @@ static double mix(double a, double b, double t) {
 
 /* Arc tangent of t >= 0 in degrees. The angle is halved twice, then the series ends: no libm, whose last bits differ from one to
  * the next. */
-static double arc_degrees(double t) {
+double scree_rt_arc_degrees(double t) {
   bool steep = t > 1;
   if (steep) t = 1 / t;
   for (int i = 0; i < 2; ++i) t = t / (1 + sqrt(1 + t * t));
@@ -113,7 +125,7 @@ static double slope_at(const scree_filter* f, double x, double z) {
   image_place p = find_place(f, x, z);
   double along_x = mix(p.corner[1] - p.corner[0], p.corner[3] - p.corner[2], p.v) / (double)f->spacing;
   double along_z = mix(p.corner[2] - p.corner[0], p.corner[3] - p.corner[1], p.u) / (double)f->spacing;
-  return arc_degrees(sqrt(along_x * along_x + along_z * along_z));
+  return scree_rt_arc_degrees(sqrt(along_x * along_x + along_z * along_z));
 }
 
 static double band(const scree_filter* f, double value) {
@@ -123,30 +135,40 @@ static double band(const scree_filter* f, double value) {
   return outside < fade ? 1 - outside / fade : 0;
 }
 
-bool scree_rt_scene_passes(const scene_layer* layer, const scree_id* id) {
+double scree_rt_filter_mask(const scree_filter* f, double x, double z) {
+  const image_place p = find_place(f, x, z);
+  const double part = mix(mix(p.corner[0], p.corner[1], p.u), mix(p.corner[2], p.corner[3], p.u), p.v);
+  return f->inverted ? 1 - part : part;
+}
+
+bool scree_rt_scene_passes_at(const scene_layer* layer, const double at[3], const int32_t cube[3], uint32_t local, bool planar) {
   const scree_field* field = layer->given.field;
-  int64_t cell[3];
-  rock_cell(field, id, cell);
-  double at[3]; /* the cell's centre relative to the field's origin */
-  for (int a = 0; a < 3; ++a) at[a] = field->cell_size * (double)cell[a];
   double share = layer->density;
   for (uint32_t i = 0; i < layer->given.filter_count && share > 0; ++i) {
     const scree_filter* f = &layer->given.filters[i];
     double part;
     if (f->kind == SCREE_FILTER_ALTITUDE) {
+      if (planar) continue;
       part = band(f, field->origin[1] + at[1]);
     } else {
       double x = (field->origin[0] - f->centre[0]) + at[0], z = (field->origin[2] - f->centre[2]) + at[2];
-      if (f->kind == SCREE_FILTER_SLOPE) {
-        part = band(f, slope_at(f, x, z));
-      } else {
-        image_place p = find_place(f, x, z);
-        part = mix(mix(p.corner[0], p.corner[1], p.u), mix(p.corner[2], p.corner[3], p.u), p.v);
+      if (f->kind == SCREE_FILTER_MASK) {
+        share *= scree_rt_filter_mask(f, x, z);
+        continue;
       }
+      part = band(f, slope_at(f, x, z));
     }
     share *= f->inverted ? 1 - part : part;
   }
   /* Another seed than scree_world_hash has: what is thinned out says nothing about colours. */
-  uint64_t hash = hash_corner(field->seed ^ UINT64_C(0xd1b54a32d192ed03), id->cube[0], id->cube[1], id->cube[2]);
-  return (double)(hash_combine(hash, id->local) >> 11) * 0x1p-53 < share;
+  uint64_t hash = hash_corner(field->seed ^ UINT64_C(0xd1b54a32d192ed03), cube[0], cube[1], cube[2]);
+  return (double)(hash_combine(hash, local) >> 11) * 0x1p-53 < share;
+}
+
+bool scree_rt_scene_passes(const scene_layer* layer, const scree_id* id) {
+  int64_t cell[3];
+  rock_cell(layer->given.field, id, cell);
+  double at[3];
+  for (int a = 0; a < 3; ++a) at[a] = layer->given.field->cell_size * (double)cell[a];
+  return scree_rt_scene_passes_at(layer, at, id->cube, id->local, false);
 }

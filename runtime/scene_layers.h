@@ -45,6 +45,17 @@ static inline void cell_centre(const scene_layer* layer, const int64_t cell[3], 
 /* Whether density and filters let a rock of a filtered layer exist. */
 bool scree_rt_scene_passes(const scene_layer* layer, const scree_id* id);
 
+/* The same for what stands at a place relative to the field's origin, by a hash of cube and local. planar: filters that need a
+ * height are left out; what does not pass then does not pass with them either. */
+bool scree_rt_scene_passes_at(const scene_layer* layer, const double at[3], const int32_t cube[3], uint32_t local, bool planar);
+
+/* The share of a mask at a place relative to its centre; what is wrong with a mask that belongs to no layer. */
+double scree_rt_filter_mask(const scree_filter* mask, double x, double z);
+scree_result scree_rt_scene_check_mask(const scree_filter* mask, scree_error* error);
+
+/* Arc tangent of t >= 0 in degrees, the same on all machines. */
+double scree_rt_arc_degrees(double t);
+
 /* Checks filters 0 .. filter_count - 1 of a layer; counts the samples to be copied. */
 scree_result scree_rt_scene_check_filters(const scree_layer* layer, uint32_t index, size_t* values, scree_error* error);
 

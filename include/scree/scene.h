@@ -18,6 +18,7 @@ extern "C" {
 #endif
 
 typedef struct scree_scene scree_scene;
+typedef struct scree_scatter scree_scatter; /* scatter.h */
 
 /* Scratch memory of queries, one for each thread that asks. It grows to what the largest question so far needed and stays so: in a
  * steady state nothing allocates. */

@@ -1,0 +1,311 @@
+/* Scatters: their descriptors, checked and copied, and what follows from an instance's 32 random bits. */
+#include <math.h>
+#include <string.h>
+
+#include "allocator.h"
+#include "convex.h"
+#include "scatter_internal.h"
+#include "scene_layers.h"
+#include "support_text.h"
+
+/* --- checks ----------------------------------------------------------------------------------------------------------------- */
+
+static scree_result wrong(scree_result code, const char* what, scree_error* error) {
+  scree_rt_text_add(error, what);
+  return code;
+}
+
+static scree_result wrong_number(const char* name, double value, const char* range, scree_error* error) {
+  scree_rt_text_add(error, name);
+  scree_rt_text_add(error, " is ");
+  scree_rt_text_add_number(error, value);
+  scree_rt_text_add(error, ", it has to be ");
+  scree_rt_text_add(error, range);
+  return SCREE_ERROR_RANGE;
+}
+
+static bool is_length(float value) {
+  return value > 0 && value <= 1e9f;
+}
+
+static scree_result check_model(const scree_scatter_model* m, scree_error* error) {
+  if (!is_length(m->footprint_radius)) return wrong_number("footprint_radius", (double)m->footprint_radius, "above 0", error);
+  if (!is_length(m->height)) return wrong_number("height", (double)m->height, "above 0", error);
+  if (!(m->outer_radius >= 0 && m->outer_radius <= 1e9f))
+    return wrong_number("outer_radius", (double)m->outer_radius, "0 or more", error);
+  if (m->hull == NULL) return SCREE_OK;
+  if (m->hull_count < 4 || m->hull_count > CONVEX_MAX_POINTS) return wrong_number("hull_count", m->hull_count, "4..64", error);
+  for (uint32_t i = 0; i < 3 * m->hull_count; ++i)
+    if (!(fabsf(m->hull[i]) <= 1e9f)) return wrong_number("a coordinate of the hull", (double)m->hull[i], "at most 1e9", error);
+  return SCREE_OK;
+}
+
+/* Some model of each age that is chosen by itself has to have a weight. */
+static bool has_weights(const scree_scatter_desc* d) {
+  const uint32_t step = d->age_mask != NULL && d->age_count > 0 ? d->age_count : 1;
+  for (uint32_t first = 0; first < step; ++first) {
+    double sum = 0;
+    for (uint32_t i = first; i < d->model_count; i += step) sum += d->weights != NULL ? (double)d->weights[i] : 1;
+    if (!(sum > 0)) return false;
+  }
+  return true;
+}
+
+static scree_result check(const scree_scatter_desc* d, scree_error* error) {
+  if (d->models == NULL) return wrong(SCREE_ERROR_INVALID_ARGUMENT, "models is NULL", error);
+  if (d->model_count < 1 || d->model_count > SCATTER_MOST_MODELS)
+    return wrong_number("model_count", d->model_count, "1..65536", error);
+  for (uint32_t i = 0; i < d->model_count; ++i) {
+    scree_error inner;
+    scree_rt_text_clear(&inner);
+    const scree_result result = check_model(&d->models[i], &inner);
+    if (result == SCREE_OK) continue;
+    scree_rt_text_add(error, "model ");
+    scree_rt_text_add_count(error, i);
+    scree_rt_text_add(error, ": ");
+    return wrong(result, inner.message, error);
+  }
+  for (uint32_t i = 0; d->weights != NULL && i < d->model_count; ++i)
+    if (!(d->weights[i] >= 0 && d->weights[i] <= 1e9f)) return wrong_number("a weight", (double)d->weights[i], "0 or more", error);
+  if (d->age_count > 0 && d->model_count % d->age_count != 0)
+    return wrong(SCREE_ERROR_INVALID_ARGUMENT, "age_count does not divide model_count", error);
+  if (!has_weights(d)) return wrong(SCREE_ERROR_INVALID_ARGUMENT, "weights: all models, or all of one age, have none", error);
+  if (!(d->spacing >= 1e-6 && d->spacing <= 1e6)) return wrong_number("spacing", d->spacing, "1e-6..1e6", error);
+  for (int a = 0; a < 3; ++a)
+    if (!isfinite(d->origin[a])) return wrong_number("origin", d->origin[a], "finite", error);
+  if (d->scale_min != 0 || d->scale_max != 0) {
+    if (!is_length(d->scale_min)) return wrong_number("scale_min", (double)d->scale_min, "above 0", error);
+    if (!(d->scale_max >= d->scale_min && d->scale_max <= 1e9f))
+      return wrong_number("scale_max", (double)d->scale_max, "at least scale_min", error);
+  }
+  if (!(d->max_slope >= 0 && d->max_slope <= 80)) return wrong_number("max_slope", (double)d->max_slope, "0..80", error);
+  return d->age_mask != NULL ? scree_rt_scene_check_mask(d->age_mask, error) : SCREE_OK;
+}
+
+/* --- models ----------------------------------------------------------------------------------------------------------------- */
+
+enum { PRISM = 8 };
+
+/* Unit circle: (1, 0), (h, h), (0, 1), ... */
+static const float circle[PRISM][2] = {{1, 0},  {0.70710677f, 0.70710677f},   {0, 1},  {-0.70710677f, 0.70710677f},
+                                       {-1, 0}, {-0.70710677f, -0.70710677f}, {0, -1}, {0.70710677f, -0.70710677f}};
+
+static uint32_t points_of(const scree_scatter_model* m) {
+  return m->hull != NULL ? m->hull_count : 2 * PRISM;
+}
+
+/* Copies the hull of a model, or makes one: an eight-sided prism round its footprint. */
+static void fill_part(scree_scatter* s, const scree_scatter_model* m, scatter_part* part) {
+  float *x = s->x + part->first, *y = s->y + part->first, *z = s->z + part->first;
+  for (uint32_t i = 0; i < part->count; ++i) {
+    x[i] = m->hull != NULL ? m->hull[3 * i] : circle[i % PRISM][0] * m->footprint_radius;
+    y[i] = m->hull != NULL ? m->hull[3 * i + 1] : i < PRISM ? 0 : m->height;
+    z[i] = m->hull != NULL ? m->hull[3 * i + 2] : circle[i % PRISM][1] * m->footprint_radius;
+  }
+}
+
+/* A ball round the middle of a part's box. */
+static void measure_part(const scree_scatter* s, scatter_part* part) {
+  const float* axes[3] = {s->x + part->first, s->y + part->first, s->z + part->first};
+  float radius2 = 0;
+  for (int a = 0; a < 3; ++a) {
+    float low = axes[a][0], high = axes[a][0];
+    for (uint32_t i = 1; i < part->count; ++i) {
+      low = axes[a][i] < low ? axes[a][i] : low;
+      high = axes[a][i] > high ? axes[a][i] : high;
+    }
+    part->centre[a] = (low + high) * 0.5f;
+  }
+  for (uint32_t i = 0; i < part->count; ++i) {
+    float d2 = 0;
+    for (int a = 0; a < 3; ++a) d2 += (axes[a][i] - part->centre[a]) * (axes[a][i] - part->centre[a]);
+    radius2 = d2 > radius2 ? d2 : radius2;
+  }
+  part->radius = sqrtf(radius2) * 1.000001f;
+}
+
+static double reach_of(const scree_scatter* s, const scatter_part* part) {
+  double sum = 0;
+  (void)s;
+  for (int a = 0; a < 3; ++a) sum += (double)part->centre[a] * (double)part->centre[a];
+  return sqrt(sum) + (double)part->radius;
+}
+
+static bool copy_models(scree_scatter* s, const scree_scatter_desc* d) {
+  s->model_count = s->part_count = d->model_count;
+  for (uint32_t i = 0; i < d->model_count; ++i) s->point_count += points_of(&d->models[i]);
+  s->models = scree_rt_allocate_zeroed(&s->allocator, s->model_count, sizeof *s->models);
+  s->parts = scree_rt_allocate_zeroed(&s->allocator, s->part_count, sizeof *s->parts);
+  s->x = scree_rt_allocate(&s->allocator, (size_t)3 * s->point_count, sizeof *s->x);
+  if (s->models == NULL || s->parts == NULL || s->x == NULL) return false;
+  s->y = s->x + s->point_count;
+  s->z = s->y + s->point_count;
+  for (uint32_t i = 0, at = 0; i < d->model_count; ++i) {
+    const scree_scatter_model* m = &d->models[i];
+    s->models[i] = (scatter_model){m->footprint_radius, i, 1, d->weights != NULL ? (double)d->weights[i] : 1};
+    s->parts[i].first = at;
+    s->parts[i].count = points_of(m);
+    at += s->parts[i].count;
+    fill_part(s, m, &s->parts[i]);
+    measure_part(s, &s->parts[i]);
+    double outer = sqrt((double)m->footprint_radius * (double)m->footprint_radius + (double)m->height * (double)m->height);
+    outer = fmax(fmax(outer, reach_of(s, &s->parts[i])), (double)m->outer_radius);
+    s->outer_radius = fmax(s->outer_radius, outer);
+    s->sink = fmax(s->sink, (double)m->footprint_radius); /* times scale and slope: see measure */
+  }
+  return true;
+}
+
+static bool copy_mask(scree_scatter* s, const scree_filter* mask) {
+  if (mask == NULL) return true;
+  s->masked = true;
+  s->age_mask = *mask;
+  s->sample_count = (size_t)mask->width * mask->depth;
+  s->samples = scree_rt_allocate(&s->allocator, s->sample_count, sizeof *s->samples);
+  if (s->samples == NULL) return false;
+  memcpy(s->samples, mask->values, s->sample_count * sizeof *s->samples);
+  s->age_mask.values = s->samples;
+  return true;
+}
+
+/* The tangent of an angle, from the arc tangent that all machines agree on. */
+static double tangent(double degrees) {
+  double low = 0, high = 8;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = (low + high) * 0.5;
+    *(scree_rt_arc_degrees(middle) < degrees ? &low : &high) = middle;
+  }
+  return high;
+}
+
+/* --- create, destroy -------------------------------------------------------------------------------------------------------- */
+
+/* The field that scenes and streams see: a cell of its lattice is a cube of tiles, and holds what stands in it. */
+static void make_lattice(scree_scatter* s) {
+  scree_field* f = &s->lattice;
+  const double side = s->unit * SCATTER_SIDE;
+  f->cell_size = side;
+  f->cells_per_cube = 1;
+  f->max_rocks_per_cell = SCATTER_MOST_LOCALS;
+  f->per_cell_inverse = field_cell_inverse(SCATTER_MOST_LOCALS);
+  f->cell_places = s->place;
+  f->lattice_per_cell = 1;
+  f->asset_count = s->model_count;
+  for (int a = 0; a < 3; ++a) {
+    f->origin[a] = s->origin[a] + side * 0.5; /* cells are centred on their places */
+    f->centroid_min[a] = (float)(side * -0.5000001);
+    f->centroid_max[a] = (float)(side * 0.5000001);
+  }
+  f->centroid_max[1] += (float)s->sink * 1.000001f; /* the ground that an instance stands on is up to that much higher */
+  f->centroid_reach = (float)(side * 0.86602546 + s->sink);
+}
+
+scree_result scree_scatter_create(const scree_scatter_desc* desc, const scree_allocator* given, scree_scatter** out,
+                                  scree_error* error) {
+  scree_rt_text_clear(error);
+  if (out != NULL) *out = NULL;
+  if (desc == NULL || out == NULL) return wrong(SCREE_ERROR_INVALID_ARGUMENT, desc == NULL ? "desc is NULL" : "out is NULL", error);
+  const scree_result result = check(desc, error);
+  if (result != SCREE_OK) return result;
+  const scree_allocator allocator = scree_rt_allocator_or_default(given);
+  scree_scatter* s = scree_rt_allocate_zeroed(&allocator, 1, sizeof *s);
+  if (s != NULL) s->allocator = allocator;
+  if (s == NULL || !copy_models(s, desc) || !copy_mask(s, desc->age_mask)) {
+    scree_scatter_destroy(s);
+    return wrong(SCREE_ERROR_OUT_OF_MEMORY, "out of memory", error);
+  }
+  memcpy(s->origin, desc->origin, sizeof s->origin);
+  s->lattice.seed = desc->seed;
+  s->unit = desc->spacing / SCATTER_RADIUS;
+  s->age_count = desc->age_count > 0 ? desc->age_count : 1;
+  s->scale_min = desc->scale_max > 0 ? desc->scale_min : 1;
+  s->scale_max = desc->scale_max > 0 ? desc->scale_max : 1;
+  s->slope = tangent(desc->max_slope > 0 ? (double)desc->max_slope : 45);
+  s->outer_radius *= (double)s->scale_max * 1.000001;
+  s->sink *= (double)s->scale_max * 1.000001 * s->slope;
+  make_lattice(s);
+  scree_rt_scatter_make_tiles(desc->seed, s->tiles);
+  *out = s;
+  return SCREE_OK;
+}
+
+void scree_scatter_destroy(scree_scatter* s) {
+  if (s == NULL) return;
+  const scree_allocator allocator = s->allocator;
+  scree_rt_release(&allocator, s->models, s->model_count, sizeof *s->models);
+  scree_rt_release(&allocator, s->parts, s->part_count, sizeof *s->parts);
+  scree_rt_release(&allocator, s->x, (size_t)3 * s->point_count, sizeof *s->x);
+  scree_rt_release(&allocator, s->samples, s->sample_count, sizeof *s->samples);
+  scree_rt_release(&allocator, s, 1, sizeof *s);
+}
+
+/* --- what can be told at once ----------------------------------------------------------------------------------------------- */
+
+uint32_t scree_scatter_model_count(const scree_scatter* scatter) {
+  return scatter->model_count;
+}
+
+double scree_scatter_tile_width(const scree_scatter* scatter) {
+  return scatter->lattice.cell_size;
+}
+
+uint64_t scree_rt_scatter_hash(const scree_scatter* s, int32_t x, int32_t z, uint32_t local) {
+  return hash_combine(hash_corner(s->lattice.seed ^ UINT64_C(0x5c3ee0f1e1d5a1d7), x, 0, z), local);
+}
+
+uint32_t scree_scatter_random(const scree_scatter* scatter, const scree_id* id) {
+  return (uint32_t)(scree_rt_scatter_hash(scatter, id->cube[0], id->cube[2], id->local) >> 32);
+}
+
+void scree_scatter_turn(const scree_scatter* scatter, uint32_t random, float turn[2], float* scale) {
+  const float u = (float)(random >> 16 & 0x3fff) / 16384, t = u * (0.7854f + u * u * (0.1615f + u * u * 0.0531f));
+  float c = (1 - t * t) / (1 + t * t), s = 2 * t / (1 + t * t);
+  if (random >> 30 & 1) {
+    const float swapped = c;
+    c = -s;
+    s = swapped;
+  }
+  const float sign = random >> 31 ? -1.0f : 1.0f;
+  turn[0] = s * sign;
+  turn[1] = c * sign;
+  *scale = scatter->scale_min + (scatter->scale_max - scatter->scale_min) * (float)(random & 0xffff) / 65535;
+}
+
+scree_result scree_scatter_part(const scree_scatter* s, uint32_t model, uint32_t part, float* xyz, uint32_t capacity,
+                                uint32_t* count) {
+  if (count != NULL) *count = 0;
+  if (s == NULL || count == NULL || (xyz == NULL && capacity > 0) || model >= s->model_count || part >= s->models[model].part_count)
+    return SCREE_ERROR_INVALID_ARGUMENT;
+  const scatter_part* p = &s->parts[s->models[model].first_part + part];
+  *count = p->count;
+  for (uint32_t i = 0; i < p->count && i < capacity; ++i) {
+    xyz[3 * i] = s->x[p->first + i];
+    xyz[3 * i + 1] = s->y[p->first + i];
+    xyz[3 * i + 2] = s->z[p->first + i];
+  }
+  return p->count > capacity ? SCREE_ERROR_CAPACITY : SCREE_OK;
+}
+
+uint32_t scree_rt_scatter_hull(const scree_scatter* s, uint32_t part, uint32_t random, float* x, float* y, float* z, float* scale) {
+  const scatter_part* p = &s->parts[part];
+  float turn[2];
+  scree_scatter_turn(s, random, turn, scale);
+  for (uint32_t i = 0; i < p->count; ++i) {
+    const float px = s->x[p->first + i], pz = s->z[p->first + i];
+    x[i] = turn[1] * px + turn[0] * pz;
+    y[i] = s->y[p->first + i];
+    z[i] = turn[1] * pz - turn[0] * px;
+  }
+  return p->count;
+}
+
+double scree_rt_scatter_ball(const scree_scatter* s, uint32_t part, uint32_t random, double centre[3]) {
+  const scatter_part* p = &s->parts[part];
+  float turn[2], scale;
+  scree_scatter_turn(s, random, turn, &scale);
+  const double c = (double)turn[1], n = (double)turn[0], size = (double)scale;
+  centre[0] = size * (c * (double)p->centre[0] + n * (double)p->centre[2]);
+  centre[1] = size * (double)p->centre[1];
+  centre[2] = size * (c * (double)p->centre[2] - n * (double)p->centre[0]);
+  return size * (double)p->radius * 1.000001; /* sine and cosine are rounded */
+}
