@@ -3,7 +3,6 @@
 #include <string.h>
 
 #include "allocator.h"
-#include "convex.h"
 #include "scatter_internal.h"
 #include "scene_layers.h"
 #include "support_text.h"
@@ -24,57 +23,12 @@ static scree_result wrong_number(const char* name, double value, const char* ran
   return SCREE_ERROR_RANGE;
 }
 
-static bool is_length(float value) {
-  return value > 0 && value <= 1e9f;
-}
-
-static scree_result check_model(const scree_scatter_model* m, scree_error* error) {
-  if (!is_length(m->footprint_radius)) return wrong_number("footprint_radius", (double)m->footprint_radius, "above 0", error);
-  if (!is_length(m->height)) return wrong_number("height", (double)m->height, "above 0", error);
-  if (!(m->outer_radius >= 0 && m->outer_radius <= 1e9f))
-    return wrong_number("outer_radius", (double)m->outer_radius, "0 or more", error);
-  if (m->hull == NULL) return SCREE_OK;
-  if (m->hull_count < 4 || m->hull_count > CONVEX_MAX_POINTS) return wrong_number("hull_count", m->hull_count, "4..64", error);
-  for (uint32_t i = 0; i < 3 * m->hull_count; ++i)
-    if (!(fabsf(m->hull[i]) <= 1e9f)) return wrong_number("a coordinate of the hull", (double)m->hull[i], "at most 1e9", error);
-  return SCREE_OK;
-}
-
-/* Some model of each age that is chosen by itself has to have a weight. */
-static bool has_weights(const scree_scatter_desc* d) {
-  const uint32_t step = d->age_mask != NULL && d->age_count > 0 ? d->age_count : 1;
-  for (uint32_t first = 0; first < step; ++first) {
-    double sum = 0;
-    for (uint32_t i = first; i < d->model_count; i += step) sum += d->weights != NULL ? (double)d->weights[i] : 1;
-    if (!(sum > 0)) return false;
-  }
-  return true;
-}
-
 static scree_result check(const scree_scatter_desc* d, scree_error* error) {
-  if (d->models == NULL) return wrong(SCREE_ERROR_INVALID_ARGUMENT, "models is NULL", error);
-  if (d->model_count < 1 || d->model_count > SCATTER_MOST_MODELS)
-    return wrong_number("model_count", d->model_count, "1..65536", error);
-  for (uint32_t i = 0; i < d->model_count; ++i) {
-    scree_error inner;
-    scree_rt_text_clear(&inner);
-    const scree_result result = check_model(&d->models[i], &inner);
-    if (result == SCREE_OK) continue;
-    scree_rt_text_add(error, "model ");
-    scree_rt_text_add_count(error, i);
-    scree_rt_text_add(error, ": ");
-    return wrong(result, inner.message, error);
-  }
-  for (uint32_t i = 0; d->weights != NULL && i < d->model_count; ++i)
-    if (!(d->weights[i] >= 0 && d->weights[i] <= 1e9f)) return wrong_number("a weight", (double)d->weights[i], "0 or more", error);
-  if (d->age_count > 0 && d->model_count % d->age_count != 0)
-    return wrong(SCREE_ERROR_INVALID_ARGUMENT, "age_count does not divide model_count", error);
-  if (!has_weights(d)) return wrong(SCREE_ERROR_INVALID_ARGUMENT, "weights: all models, or all of one age, have none", error);
   if (!(d->spacing >= 1e-6 && d->spacing <= 1e6)) return wrong_number("spacing", d->spacing, "1e-6..1e6", error);
   for (int a = 0; a < 3; ++a)
     if (!isfinite(d->origin[a])) return wrong_number("origin", d->origin[a], "finite", error);
   if (d->scale_min != 0 || d->scale_max != 0) {
-    if (!is_length(d->scale_min)) return wrong_number("scale_min", (double)d->scale_min, "above 0", error);
+    if (!(d->scale_min > 0 && d->scale_min <= 1e9f)) return wrong_number("scale_min", (double)d->scale_min, "above 0", error);
     if (!(d->scale_max >= d->scale_min && d->scale_max <= 1e9f))
       return wrong_number("scale_max", (double)d->scale_max, "at least scale_min", error);
   }
@@ -82,79 +36,7 @@ static scree_result check(const scree_scatter_desc* d, scree_error* error) {
   return d->age_mask != NULL ? scree_rt_scene_check_mask(d->age_mask, error) : SCREE_OK;
 }
 
-/* --- models ----------------------------------------------------------------------------------------------------------------- */
-
-enum { PRISM = 8 };
-
-/* Unit circle: (1, 0), (h, h), (0, 1), ... */
-static const float circle[PRISM][2] = {{1, 0},  {0.70710677f, 0.70710677f},   {0, 1},  {-0.70710677f, 0.70710677f},
-                                       {-1, 0}, {-0.70710677f, -0.70710677f}, {0, -1}, {0.70710677f, -0.70710677f}};
-
-static uint32_t points_of(const scree_scatter_model* m) {
-  return m->hull != NULL ? m->hull_count : 2 * PRISM;
-}
-
-/* Copies the hull of a model, or makes one: an eight-sided prism round its footprint. */
-static void fill_part(scree_scatter* s, const scree_scatter_model* m, scatter_part* part) {
-  float *x = s->x + part->first, *y = s->y + part->first, *z = s->z + part->first;
-  for (uint32_t i = 0; i < part->count; ++i) {
-    x[i] = m->hull != NULL ? m->hull[3 * i] : circle[i % PRISM][0] * m->footprint_radius;
-    y[i] = m->hull != NULL ? m->hull[3 * i + 1] : i < PRISM ? 0 : m->height;
-    z[i] = m->hull != NULL ? m->hull[3 * i + 2] : circle[i % PRISM][1] * m->footprint_radius;
-  }
-}
-
-/* A ball round the middle of a part's box. */
-static void measure_part(const scree_scatter* s, scatter_part* part) {
-  const float* axes[3] = {s->x + part->first, s->y + part->first, s->z + part->first};
-  float radius2 = 0;
-  for (int a = 0; a < 3; ++a) {
-    float low = axes[a][0], high = axes[a][0];
-    for (uint32_t i = 1; i < part->count; ++i) {
-      low = axes[a][i] < low ? axes[a][i] : low;
-      high = axes[a][i] > high ? axes[a][i] : high;
-    }
-    part->centre[a] = (low + high) * 0.5f;
-  }
-  for (uint32_t i = 0; i < part->count; ++i) {
-    float d2 = 0;
-    for (int a = 0; a < 3; ++a) d2 += (axes[a][i] - part->centre[a]) * (axes[a][i] - part->centre[a]);
-    radius2 = d2 > radius2 ? d2 : radius2;
-  }
-  part->radius = sqrtf(radius2) * 1.000001f;
-}
-
-static double reach_of(const scree_scatter* s, const scatter_part* part) {
-  double sum = 0;
-  (void)s;
-  for (int a = 0; a < 3; ++a) sum += (double)part->centre[a] * (double)part->centre[a];
-  return sqrt(sum) + (double)part->radius;
-}
-
-static bool copy_models(scree_scatter* s, const scree_scatter_desc* d) {
-  s->model_count = s->part_count = d->model_count;
-  for (uint32_t i = 0; i < d->model_count; ++i) s->point_count += points_of(&d->models[i]);
-  s->models = scree_rt_allocate_zeroed(&s->allocator, s->model_count, sizeof *s->models);
-  s->parts = scree_rt_allocate_zeroed(&s->allocator, s->part_count, sizeof *s->parts);
-  s->x = scree_rt_allocate(&s->allocator, (size_t)3 * s->point_count, sizeof *s->x);
-  if (s->models == NULL || s->parts == NULL || s->x == NULL) return false;
-  s->y = s->x + s->point_count;
-  s->z = s->y + s->point_count;
-  for (uint32_t i = 0, at = 0; i < d->model_count; ++i) {
-    const scree_scatter_model* m = &d->models[i];
-    s->models[i] = (scatter_model){m->footprint_radius, i, 1, d->weights != NULL ? (double)d->weights[i] : 1};
-    s->parts[i].first = at;
-    s->parts[i].count = points_of(m);
-    at += s->parts[i].count;
-    fill_part(s, m, &s->parts[i]);
-    measure_part(s, &s->parts[i]);
-    double outer = sqrt((double)m->footprint_radius * (double)m->footprint_radius + (double)m->height * (double)m->height);
-    outer = fmax(fmax(outer, reach_of(s, &s->parts[i])), (double)m->outer_radius);
-    s->outer_radius = fmax(s->outer_radius, outer);
-    s->sink = fmax(s->sink, (double)m->footprint_radius); /* times scale and slope: see measure */
-  }
-  return true;
-}
+/* --- create, destroy -------------------------------------------------------------------------------------------------------- */
 
 static bool copy_mask(scree_scatter* s, const scree_filter* mask) {
   if (mask == NULL) return true;
@@ -177,8 +59,6 @@ static double tangent(double degrees) {
   }
   return high;
 }
-
-/* --- create, destroy -------------------------------------------------------------------------------------------------------- */
 
 /* The field that scenes and streams see: a cell of its lattice is a cube of tiles, and holds what stands in it. */
 static void make_lattice(scree_scatter* s) {
@@ -205,19 +85,22 @@ scree_result scree_scatter_create(const scree_scatter_desc* desc, const scree_al
   scree_rt_text_clear(error);
   if (out != NULL) *out = NULL;
   if (desc == NULL || out == NULL) return wrong(SCREE_ERROR_INVALID_ARGUMENT, desc == NULL ? "desc is NULL" : "out is NULL", error);
-  const scree_result result = check(desc, error);
+  scree_result result = check(desc, error);
   if (result != SCREE_OK) return result;
   const scree_allocator allocator = scree_rt_allocator_or_default(given);
   scree_scatter* s = scree_rt_allocate_zeroed(&allocator, 1, sizeof *s);
-  if (s != NULL) s->allocator = allocator;
-  if (s == NULL || !copy_models(s, desc) || !copy_mask(s, desc->age_mask)) {
+  if (s == NULL) return wrong(SCREE_ERROR_OUT_OF_MEMORY, "out of memory", error);
+  s->allocator = allocator;
+  result = scree_rt_scatter_copy_models(s, desc, error);
+  if (result == SCREE_OK && !copy_mask(s, desc->age_mask)) result = SCREE_ERROR_OUT_OF_MEMORY;
+  if (result != SCREE_OK) {
     scree_scatter_destroy(s);
-    return wrong(SCREE_ERROR_OUT_OF_MEMORY, "out of memory", error);
+    if (result == SCREE_ERROR_OUT_OF_MEMORY) scree_rt_text_add(error, "out of memory");
+    return result;
   }
   memcpy(s->origin, desc->origin, sizeof s->origin);
   s->lattice.seed = desc->seed;
   s->unit = desc->spacing / SCATTER_RADIUS;
-  s->age_count = desc->age_count > 0 ? desc->age_count : 1;
   s->scale_min = desc->scale_max > 0 ? desc->scale_min : 1;
   s->scale_max = desc->scale_max > 0 ? desc->scale_max : 1;
   s->slope = tangent(desc->max_slope > 0 ? (double)desc->max_slope : 45);
@@ -232,9 +115,7 @@ scree_result scree_scatter_create(const scree_scatter_desc* desc, const scree_al
 void scree_scatter_destroy(scree_scatter* s) {
   if (s == NULL) return;
   const scree_allocator allocator = s->allocator;
-  scree_rt_release(&allocator, s->models, s->model_count, sizeof *s->models);
-  scree_rt_release(&allocator, s->parts, s->part_count, sizeof *s->parts);
-  scree_rt_release(&allocator, s->x, (size_t)3 * s->point_count, sizeof *s->x);
+  scree_rt_scatter_drop_models(s);
   scree_rt_release(&allocator, s->samples, s->sample_count, sizeof *s->samples);
   scree_rt_release(&allocator, s, 1, sizeof *s);
 }

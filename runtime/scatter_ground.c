@@ -208,27 +208,31 @@ static double share_of(uint64_t hash, uint64_t what) {
   return (double)(hash_combine(hash, what) >> 11) * 0x1p-53;
 }
 
-uint32_t scree_rt_scatter_choose(const scree_scatter* s, uint64_t hash, const int64_t steps[2]) {
-  uint32_t first = 0, step = 1;
-  if (s->masked) {
-    const double x = (s->origin[0] - s->age_mask.centre[0]) + s->unit * (double)steps[0],
-                 z = (s->origin[2] - s->age_mask.centre[2]) + s->unit * (double)steps[1];
-    const double age = scree_rt_filter_mask(&s->age_mask, x, z) * (double)(s->age_count - 1) + share_of(hash, 2);
-    first = age > 0 ? (uint32_t)age : 0;
-    step = s->age_count;
-    if (first >= step) first = step - 1;
-  }
+/* The model at a share of the sum of all weights. */
+static uint32_t by_weight(const scree_scatter* s, double share) {
   double sum = 0;
-  for (uint32_t i = first; i < s->model_count; i += step) sum += s->models[i].weight;
-  double left = share_of(hash, 1) * sum;
-  uint32_t chosen = first;
-  for (uint32_t i = first; i < s->model_count; i += step) {
+  for (uint32_t i = 0; i < s->model_count; ++i) sum += s->models[i].weight;
+  double left = share * sum;
+  uint32_t chosen = 0;
+  for (uint32_t i = 0; i < s->model_count; ++i) {
     if (!(s->models[i].weight > 0)) continue;
     chosen = i;
     left -= s->models[i].weight;
     if (left < 0) break;
   }
   return chosen;
+}
+
+uint32_t scree_rt_scatter_choose(const scree_scatter* s, uint64_t hash, const int64_t steps[2]) {
+  const uint32_t model = by_weight(s, share_of(hash, 1));
+  if (!s->masked) return model;
+  uint32_t variant = 0;
+  while (s->variants[variant + 1] <= model) ++variant;
+  const double x = (s->origin[0] - s->age_mask.centre[0]) + s->unit * (double)steps[0],
+               z = (s->origin[2] - s->age_mask.centre[2]) + s->unit * (double)steps[1];
+  const uint32_t first = s->variants[variant], ages = s->variants[variant + 1] - first;
+  const double age = scree_rt_filter_mask(&s->age_mask, x, z) * (double)(ages - 1) + share_of(hash, 2);
+  return first + (age < (double)(ages - 1) ? (uint32_t)age : ages - 1);
 }
 
 static void look_at(search* s, int32_t x, int32_t z, uint32_t local) {

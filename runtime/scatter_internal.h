@@ -1,7 +1,8 @@
 /* A scatter, as the files that answer questions about it see it.
  *
  *   scatter_tiles.c    the points of its tiles
- *   scatter.c          create, destroy; turns, sizes, hulls of models
+ *   scatter.c          create, destroy; turns, sizes, hulls
+ *   scatter_models.c   models, of the host's own or of a pack
  *   scatter_ground.c   where its instances stand: the search for the ground, the choice of models
  *   scene_scatter.c    layers of scenes that are scatters
  *
@@ -41,8 +42,10 @@ struct scree_scatter {
   float scale_min, scale_max;
   double slope;              /* tangent of the steepest */
   double outer_radius, sink; /* metres: no instance reaches farther from its place; none is sunk deeper */
+  const scree_pack* pack;    /* or NULL */
   scatter_model* models;
-  uint32_t model_count, age_count;
+  uint32_t* variants; /* variant_count + 1: models of variant v are variants[v] .. variants[v + 1] - 1, the youngest first */
+  uint32_t model_count, variant_count;
   scatter_part* parts;
   uint32_t part_count;
   float *x, *y, *z; /* point_count each, metres */
@@ -52,6 +55,11 @@ struct scree_scatter {
   float* samples;
   size_t sample_count;
 };
+
+/* What a scatter takes from its descriptor or pack: models, variants, parts and points. Nothing is left behind on failure but what
+ * scree_rt_scatter_drop_models releases. */
+scree_result scree_rt_scatter_copy_models(scree_scatter* scatter, const scree_scatter_desc* desc, scree_error* error);
+void scree_rt_scatter_drop_models(scree_scatter* scatter);
 
 /* --- instances -------------------------------------------------------------------------------------------------------------- */
 

@@ -36,32 +36,24 @@ static double uniform(uint64_t hash, uint64_t what) {
 }
 
 static uint32_t choose(const scree_scatter_desc* d, uint64_t hash, double x, double z) {
-  uint32_t ages = d->age_count > 0 ? d->age_count : 1, age = 0;
-  if (d->age_mask != NULL) {
-    const scree_filter* f = d->age_mask;
-    double u = (x - f->centre[0]) / (double)f->spacing + (f->width - 1) * 0.5;
-    double v = (z - f->centre[2]) / (double)f->spacing + (f->depth - 1) * 0.5;
-    u = fmin(fmax(u, 0), f->width - 1.0);
-    v = fmin(fmax(v, 0), f->depth - 1.0);
-    uint32_t i = (uint32_t)fmin(u, f->width - 2.0), k = (uint32_t)fmin(v, f->depth - 2.0);
-    u -= i;
-    v -= k;
-    const float* p = f->values + k * f->width + i;
-    double share =
-        ((double)p[0] * (1 - u) + (double)p[1] * u) * (1 - v) + ((double)p[f->width] * (1 - u) + (double)p[f->width + 1] * u) * v;
-    if (f->inverted) share = 1 - share;
-    age = (uint32_t)fmin(floor(share * (ages - 1) + uniform(hash, 2)), ages - 1);
-  }
-  double sum = 0, at = 0;
-  for (uint32_t m = 0; m < d->model_count; ++m)
-    if (d->age_mask == NULL || m % ages == age) sum += weight_of(d, m);
-  for (uint32_t m = 0; m < d->model_count; ++m) {
-    if (d->age_mask != NULL && m % ages != age) continue;
-    at += weight_of(d, m);
-    if (uniform(hash, 1) * sum < at) return m;
-  }
-  fail_msg("no model at all");
-  return 0;
+  uint32_t ages = d->age_count > 0 ? d->age_count : 1, model = 0;
+  double sum = 0, at = weight_of(d, 0);
+  for (uint32_t m = 0; m < d->model_count; ++m) sum += weight_of(d, m);
+  while (uniform(hash, 1) * sum >= at) at += weight_of(d, ++model);
+  if (d->age_mask == NULL) return model;
+  const scree_filter* f = d->age_mask;
+  double u = (x - f->centre[0]) / (double)f->spacing + (f->width - 1) * 0.5;
+  double v = (z - f->centre[2]) / (double)f->spacing + (f->depth - 1) * 0.5;
+  u = fmin(fmax(u, 0), f->width - 1.0);
+  v = fmin(fmax(v, 0), f->depth - 1.0);
+  uint32_t i = (uint32_t)fmin(u, f->width - 2.0), k = (uint32_t)fmin(v, f->depth - 2.0);
+  u -= i;
+  v -= k;
+  const float* p = f->values + k * f->width + i;
+  double share =
+      ((double)p[0] * (1 - u) + (double)p[1] * u) * (1 - v) + ((double)p[f->width] * (1 - u) + (double)p[f->width + 1] * u) * v;
+  if (f->inverted) share = 1 - share;
+  return model / ages * ages + (uint32_t)fmin(floor(share * (ages - 1) + uniform(hash, 2)), ages - 1);
 }
 
 twin_stands twin_scatter(const scree_scatter* s, const scree_scatter_desc* desc, const scree_support* ground, const int32_t low[2],

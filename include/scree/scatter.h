@@ -26,13 +26,14 @@ typedef struct scree_scatter_model {
 } scree_scatter_model;
 
 typedef struct scree_scatter_desc {
+  const scree_pack*
+      pack; /* of kind models, which has to outlive the scatter: model = asset; or NULL, and models of the host's own */
   const scree_scatter_model* models;
-  uint32_t model_count; /* 1..65536 */
+  uint32_t model_count; /* 1..65536; with a pack 0 */
+  uint32_t age_count;   /* of models of the host's own: model = variant * age_count + age, age 0 the youngest; 0 = 1 */
   const float* weights; /* of each model, >= 0, some > 0: how many there are of it; NULL = as many of each; copied */
-  /* Models in ages: model = variant * age_count + age, age 0 the youngest. Where age_mask is given (of kind SCREE_FILTER_MASK;
-   * copied), the image decides about ages, 0 = the youngest, 1 = the oldest, with a gradual change between, and weights choose
-   * among the variants; otherwise weights choose among all models. */
-  uint32_t age_count; /* 0 = 1; divides model_count */
+  /* NULL: weights choose among all models. Otherwise of kind SCREE_FILTER_MASK, copied: the weights of all ages of a variant
+   * together choose the variant, and the image its age: 0 = the youngest, 1 = the oldest, with gradual changes between. */
   const scree_filter* age_mask;
   double spacing;             /* metres, > 0: no two points are nearer */
   double origin[3];           /* world place of a corner of the tiles, metres */
@@ -42,11 +43,13 @@ typedef struct scree_scatter_desc {
 } scree_scatter_desc;
 
 /* Makes a scatter: fills its tiles (some milliseconds) and copies the models. Immutable, may be shared between threads.
- * error: may be NULL; says what is wrong. Returns SCREE_OK, INVALID_ARGUMENT, RANGE or OUT_OF_MEMORY. */
+ * error: may be NULL; says what is wrong. Returns SCREE_OK, INVALID_ARGUMENT, RANGE, CORRUPT (of the pack) or OUT_OF_MEMORY. */
 SCREE_API scree_result scree_scatter_create(const scree_scatter_desc* desc, const scree_allocator* allocator, scree_scatter** out,
                                             scree_error* error);
-SCREE_API void scree_scatter_destroy(scree_scatter* scatter); /* NULL is allowed */
+/* NULL is allowed. */
+SCREE_API void scree_scatter_destroy(scree_scatter* scatter);
 
+/* Models are numbered below this. */
 SCREE_API uint32_t scree_scatter_model_count(const scree_scatter* scatter);
 
 /* Width of a tile, metres: about ten times the spacing. The cube of an id is (tile x, floor(y / width), tile z), its local part the
@@ -70,7 +73,7 @@ SCREE_API uint32_t scree_scatter_random(const scree_scatter* scatter, const scre
 SCREE_API void scree_scatter_turn(const scree_scatter* scatter, uint32_t random, float turn[2], float* scale);
 
 /* The points of a convex part of a model, 3 floats each, in its own space: metres, to be turned and scaled. part: 0 is there
- * always; a model of the host's own has no other. Returns SCREE_OK, CAPACITY (the first `capacity` points were written) or
+ * always; only models of packs have others. Returns SCREE_OK, CAPACITY (the first `capacity` points were written) or
  * INVALID_ARGUMENT (also: no such part). count: how many points, at most 64. */
 SCREE_API scree_result scree_scatter_part(const scree_scatter* scatter, uint32_t model, uint32_t part, float* xyz,
                                           uint32_t capacity, uint32_t* count);
