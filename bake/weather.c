@@ -38,7 +38,7 @@ static extent measure(const uint32_t size[3]) {
 }
 
 static uint64_t bytes_of(const extent* e, bool mixed) {
-  return sizeof(scree_weather) + e->bits * sizeof(uint64_t) * (mixed ? 6 : 4) + e->rows + e->voxels * (sizeof(int32_t) + 1) +
+  return sizeof(scree_weather) + e->bits * sizeof(uint64_t) * (mixed ? 7 : 5) + e->rows + e->voxels * (sizeof(int32_t) + 1) +
          e->counts * sizeof(uint16_t) + e->bricks * sizeof(uint32_t) + e->slabs * sizeof(weather_tally);
 }
 
@@ -117,6 +117,7 @@ static bool allocate(scree_weather* w, const extent* e) {
   w->rock = zeroed(w, e->bits, sizeof *w->rock);
   w->colluvium = zeroed(w, e->bits, sizeof *w->colluvium);
   w->solid = zeroed(w, e->bits, sizeof *w->solid);
+  w->grains = zeroed(w, e->bits, sizeof *w->grains);
   w->scratch = zeroed(w, e->bits, sizeof *w->scratch);
   w->rows = zeroed(w, e->rows, 1);
   w->life = zeroed(w, e->voxels, sizeof *w->life);
@@ -125,8 +126,8 @@ static bool allocate(scree_weather* w, const extent* e) {
   w->stamps = zeroed(w, e->bricks, sizeof *w->stamps);
   w->tally = zeroed(w, e->slabs, sizeof *w->tally);
   if (w->counts != NULL) w->counts += 16;
-  bool all = w->rock != NULL && w->colluvium != NULL && w->solid != NULL && w->scratch != NULL && w->rows != NULL;
-  all = all && w->life != NULL && w->noise != NULL && w->counts != NULL && w->stamps != NULL && w->tally != NULL;
+  bool all = w->rock != NULL && w->colluvium != NULL && w->solid != NULL && w->grains != NULL && w->scratch != NULL;
+  all = all && w->rows != NULL && w->life != NULL && w->noise != NULL && w->counts != NULL && w->stamps != NULL && w->tally != NULL;
   return all;
 }
 
@@ -188,6 +189,7 @@ scree_result scree_weather_create(const scree_weather_desc* desc, scree_weather*
     return SCREE_ERROR_INVALID_ARGUMENT;
   }
   w->change = 1;
+  w->may_hang = true;
   set_ground(w);
   weather_parallel(w, w->size[2], set_lives, w);
   weather_fill_noise(w);
@@ -205,6 +207,7 @@ void scree_weather_destroy(scree_weather* w) {
   scree_rt_release(&allocator, w->rock, (size_t)e.bits, sizeof *w->rock);
   scree_rt_release(&allocator, w->colluvium, (size_t)e.bits, sizeof *w->colluvium);
   scree_rt_release(&allocator, w->solid, (size_t)e.bits, sizeof *w->solid);
+  scree_rt_release(&allocator, w->grains, (size_t)e.bits, sizeof *w->grains);
   scree_rt_release(&allocator, w->scratch, (size_t)e.bits, sizeof *w->scratch);
   for (int i = 0; i < 2; ++i) scree_rt_release(&allocator, w->mixture[i], (size_t)e.bits, sizeof(uint64_t));
   scree_rt_release(&allocator, w->rows, (size_t)e.rows, 1);
@@ -238,6 +241,7 @@ scree_result scree_weather_set_rules(scree_weather* w, const scree_weather_rules
   }
   weather_tables* before = w->tables;
   w->tables = tables;
+  w->may_hang = true;
   w->memory += tables->bytes;
   w->memory -= before->bytes;
   ++w->change;

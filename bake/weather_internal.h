@@ -1,12 +1,12 @@
 /* What is inside a simulation of weathering, for the files of bake/ that work on it. include/scree/weather.h says what it means.
  *
- *   bits      rock, colluvium, solid, scratch: a bit a voxel, rows along x in words, every row with at least one spare bit (always
- *             0, so that shifts by one carry air in), planes of size[1] + 2 rows, size[2] + 2 planes: the ring of guard rows is
- * air, the ground below (y = -1) apart, which is solid for all x and z of the grid in `solid`. life      an int32 a voxel,
- * WEATHER_FULL = all of it, 0 = air. What a step takes is a share of it, so that rules can change and lives stay. noise     an int8
- * a voxel, -127..127 for -1..1: the noise of the voxel's segment of the durability graph. counts    a uint16 a voxel, air as well
- * as rock: voxels of air in the voxel's bubble. Rows have a margin that takes what lies beside the grid, so that spans are added
- * without clipping.
+ *   bits      rock, colluvium, solid, grains, scratch: a bit a voxel, rows along x in words, every row with at least one spare bit
+ * (always 0, so that shifts by one carry air in), planes of size[1] + 2 rows, size[2] + 2 planes: the ring of guard rows is air,
+ * the ground below (y = -1) apart, which is solid for all x and z of the grid in `solid`. life      an int32 a voxel, WEATHER_FULL
+ * = all of it, 0 = air. What a step takes is a share of it, so that rules can change and lives stay. noise     an int8 a voxel,
+ * -127..127 for -1..1: the noise of the voxel's segment of the durability graph. counts    a uint16 a voxel, air as well as rock:
+ * voxels of air in the voxel's bubble. Rows have a margin that takes what lies beside the grid, so that spans are added without
+ * clipping.
  *
  *      rock | colluvium changes during a step; `solid` is what counts speak of and follows at its end. */
 #ifndef SCREE_WEATHER_INTERNAL_H
@@ -69,7 +69,9 @@ struct scree_weather {
   uint32_t words;   /* of a row of bits */
   size_t bit_plane; /* words of a plane, guard rows too */
   size_t bit_count; /* words of an array of bits */
-  uint64_t *rock, *colluvium, *solid, *scratch;
+  uint64_t *rock, *colluvium, *solid;
+  uint64_t* grains;     /* places whose rock becomes colluvium in this step; empty between steps */
+  uint64_t* scratch;    /* of rockfall */
   uint64_t* mixture[2]; /* the two bits of which bubble of a mixture; NULL where no layer has one */
   uint8_t* rows;        /* a byte a row of bits: something in it changed since `solid` was brought up to date */
 
@@ -87,7 +89,8 @@ struct scree_weather {
   weather_tables* tables;
   uint32_t noise_version; /* grows when the noise becomes another */
   uint64_t step;          /* since the start; goes back with a snapshot */
-  uint64_t start_rock, rock_count, colluvium_count, removed, fallen;
+  uint64_t start_rock, rock_count, colluvium_count, removed, fallen, grain_count;
+  bool may_hang;               /* something other than a step changed the grid or the rules since rockfall looked last */
   struct weather_tally* tally; /* one a slab of bricks */
   size_t memory;
 };
@@ -95,6 +98,7 @@ struct scree_weather {
 /* What one slab of WEATHER_BRICK planes saw in a step; added up in their order. */
 typedef struct weather_tally {
   uint64_t rock, colluvium; /* removed */
+  uint64_t grains;
 } weather_tally;
 
 /* Word of the first voxel of row (y, z); -1 and size are the guards. */

@@ -2,11 +2,145 @@
  */
 #include <string.h>
 
+#include "weather_counts.h"
 #include "weather_kernels.h"
+#include "weather_step.h"
 
+#define LANES 8
+#define SIMD_WIDTH LANES
+#include "simd.h"
+
+typedef int8_t vbyte __attribute__((vector_size(LANES)));
+typedef uint16_t vhalf __attribute__((vector_size(2 * LANES)));
+
+/* --- sweep ------------------------------------------------------------------------------------------------------------------- */
+
+/* Bit i of the low byte to all bits of lane i. */
+static inline vint lanes_of(uint64_t bits) {
+  const vint each = {1, 2, 4, 8, 16, 32, 64, 128};
+  return (v_set_int((int32_t)(bits & 255)) & each) != v_set_int(0);
+}
+
+/* table[index], lane by lane, of a table of eight. */
+static inline vfloat pick(const float table[8], vint index) {
 #ifdef __AVX2__
-#include <immintrin.h>
+  return (vfloat)_mm256_permutevar8x32_ps((__m256)v_load(table), (__m256i)index);
+#else
+  return v_gather(table, index);
 #endif
+}
+
+/* How many of the six faces of each of 64 voxels show air, in binary: bit i of faces[0] + 2 faces[1] + 4 faces[2]. */
+static inline void add_faces(const uint64_t air[6], uint64_t faces[3]) {
+  const uint64_t low = air[0] ^ air[1] ^ air[2], high = air[3] ^ air[4] ^ air[5];
+  const uint64_t a = (air[0] & air[1]) | (air[2] & (air[0] | air[1])), b = (air[3] & air[4]) | (air[5] & (air[3] | air[4]));
+  const uint64_t c = low & high;
+  faces[0] = low ^ high;
+  faces[1] = a ^ b ^ c;
+  faces[2] = (a & b) | (c & (a | b));
+}
+
+/* Eight voxels of one row. */
+typedef struct octet {
+  int32_t* life;
+  const int8_t* noise;
+  const uint16_t* counts;
+  uint32_t active, colluvium; /* a bit each */
+  vint faces;
+  vint first; /* of the rates of each one's bubble */
+} octet;
+
+/* Returns the bits of those that died; *worn is set where a life changed. */
+static inline uint32_t wear(const octet* o, const weather_layer* layer, const weather_tables* tables, bool* worn) {
+  const vint active = lanes_of(o->active);
+  vhalf counts;
+  vbyte noise;
+  vint life;
+  memcpy(&counts, o->counts, sizeof counts);
+  memcpy(&noise, o->noise, sizeof noise);
+  memcpy(&life, o->life, sizeof life);
+  /* What is not active may lie in the margin, where counts mean nothing. */
+  const vint index = (__builtin_convertvector(counts, vint) + o->first) & active;
+  const vfloat rate = v_gather(tables->rates, index) * pick(tables->exposure, o->faces);
+  const vfloat factor = v_set(1) + v_set(layer->amplitude) * (__builtin_convertvector(noise, vfloat) * v_set(1.0f / 127));
+  const vfloat rock = v_set(layer->graph) * v_max(factor, v_set(1.0f / 16));
+  const vfloat durability = v_select(lanes_of(o->colluvium), v_set(layer->colluvium), rock);
+  const vint taken = v_truncate(v_min(rate / durability, v_set(WEATHER_FULL))) & active;
+  life -= taken;
+  const vint dead = (life <= v_set_int(0)) & active;
+  life &= ~dead;
+  memcpy(o->life, &life, sizeof life);
+  *worn = v_bits(taken != v_set_int(0)) != 0;
+  return v_bits(dead);
+}
+
+static void bury_dead(scree_weather* w, uint32_t word, uint32_t y, uint32_t z, uint64_t dead, uint64_t step_key,
+                      weather_tally* tally) {
+  const size_t at = weather_row(w, (int32_t)y, (int32_t)z) + word;
+  const uint64_t rock = dead & w->rock[at];
+  *weather_row_flag(w, y, z) = 1;
+  w->rock[at] &= ~dead;
+  w->colluvium[at] &= ~dead;
+  tally->rock += (uint64_t)__builtin_popcountll(rock);
+  tally->colluvium += (uint64_t)__builtin_popcountll(dead & ~rock);
+  if (w->tables->share == 0) return;
+  for (uint64_t left = rock; left != 0; left &= left - 1) {
+    const uint32_t bit = (uint32_t)__builtin_ctzll(left);
+    if (!weather_becomes_colluvium(w->tables, weather_hash(step_key, word * 64 + bit, y, z))) continue;
+    w->grains[at] |= (uint64_t)1 << bit;
+    ++tally->grains;
+  }
+}
+
+/* The active voxels of one word. */
+static inline uint64_t wear_word(scree_weather* w, uint32_t word, uint32_t y, uint32_t z, uint64_t active,
+                                 const uint64_t faces[3]) {
+  const weather_layer* layer = &w->tables->layers[y];
+  const size_t at = weather_row(w, (int32_t)y, (int32_t)z) + word;
+  const uint64_t colluvium = w->colluvium[at];
+  const bool mixed = layer->bubble_count > 1;
+  const uint64_t low = mixed ? w->mixture[0][at] : 0, high = mixed ? w->mixture[1][at] : 0;
+  vint firsts[4];
+  for (uint32_t k = 0; k < 4; ++k) firsts[k] = v_set_int((int32_t)w->tables->bubbles[layer->bubbles[k]].rate_first);
+  uint64_t dead = 0;
+  for (uint32_t from = 0; from < 64; from += LANES) {
+    octet o;
+    o.active = (uint32_t)(active >> from) & 255;
+    if (o.active == 0) continue;
+    const uint32_t x = word * 64 + from;
+    o.life = w->life + weather_at(w, x, y, z);
+    o.noise = w->noise + weather_at(w, x, y, z);
+    o.counts = w->counts + x + w->count_row * y + w->count_plane * z;
+    o.colluvium = (uint32_t)(colluvium >> from) & 255;
+    o.faces = (lanes_of(faces[0] >> from) & 1) | (lanes_of(faces[1] >> from) & 2) | (lanes_of(faces[2] >> from) & 4);
+    o.first = firsts[0];
+    if (mixed) {
+      const vint one = lanes_of(low >> from), two = lanes_of(high >> from);
+      o.first = v_select_int(two, v_select_int(one, firsts[3], firsts[2]), v_select_int(one, firsts[1], firsts[0]));
+    }
+    bool worn;
+    dead |= (uint64_t)wear(&o, layer, w->tables, &worn) << from;
+    if (worn) w->stamps[weather_brick(w, x, y, z)] = w->change;
+  }
+  return dead;
+}
+
+static void sweep(scree_weather* w, uint32_t z, uint64_t step_key, weather_tally* tally) {
+  for (uint32_t y = 0; y < w->size[1]; ++y) {
+    const uint64_t* s = w->solid + weather_row(w, (int32_t)y, (int32_t)z);
+    for (uint32_t i = 0; i < w->words; ++i, ++s) {
+      if (*s == 0) continue;
+      const uint64_t air[6] = {~(*s << 1 | *(s - 1) >> 63), ~(*s >> 1 | s[1] << 63), ~*(s - w->words), ~s[w->words],
+                               ~*(s - w->bit_plane),        ~s[w->bit_plane]};
+      const uint64_t active = *s & (air[0] | air[1] | air[2] | air[3] | air[4] | air[5]);
+      if (active == 0) continue;
+      uint64_t faces[3];
+      add_faces(air, faces);
+      const uint64_t dead = wear_word(w, i, y, z, active, faces);
+      if (dead != 0) bury_dead(w, i, y, z, dead, step_key, tally);
+    }
+  }
+}
 
 /* --- counts ------------------------------------------------------------------------------------------------------------------ */
 
@@ -92,4 +226,4 @@ static void scatter(const scree_weather* w, uint32_t x, uint32_t length, int32_t
   }
 }
 
-const weather_kernels KERNELS_TABLE = {KERNELS_NAME, scatter};
+const weather_kernels KERNELS_TABLE = {KERNELS_NAME, sweep, scatter};

@@ -326,7 +326,7 @@ scree_result weather_tables_create(const scree_weather_rules* rules, const uint3
     t->mixed = t->mixed || t->layers[y].bubble_count > 1;
   }
   for (uint32_t k = 1; k <= 6; ++k) t->exposure[k] = (float)power_of(k, rules->exposure);
-  t->share = (uint64_t)(rules->colluvium_share * 4294967296.0 + 0.5);
+  t->share = (uint64_t)ceil(rules->colluvium_share * 4294967296.0);
   t->repose[0] = (uint32_t)(rules->repose * 65536 + 0.5);
   t->repose[1] = (uint32_t)(rules->repose * sqrt(2) * 65536 + 0.5);
   t->rockfall = rules->rockfall;
