@@ -42,6 +42,7 @@ static void lay_out(scree_stream* s, const scree_stream_caps* caps, arena* a) {
   s->range_words = take(a, scree_rt_ranges_words(caps->instances), sizeof *s->range_words);
   s->instances = take(a, caps->instances, sizeof *s->instances);
   s->ids = take(a, caps->instances, sizeof *s->ids);
+  s->owners = take(a, scree_rt_ranges_words(caps->instances) / 3, sizeof *s->owners);
 }
 
 size_t scree_stream_memory(const scree_stream_desc* given) {
@@ -67,6 +68,7 @@ static void init_lists(scree_stream* s) {
   s->split_scale = s->mesh_scale = 1;
   s->relax_travel = s->mesh_relax_travel = -INFINITY;
   scree_rt_ranges_init(&s->ranges, s->desc.caps.instances, s->range_words);
+  for (uint32_t i = 0; i < s->ranges.units; ++i) s->owners[i] = STREAM_NONE;
 }
 
 scree_result scree_stream_create(const scree_stream_desc* given, const scree_allocator* given_allocator, scree_stream** out,
@@ -339,9 +341,9 @@ void scree_stream_get_stats(const scree_stream* s, scree_stream_stats* out) {
 }
 
 bool scree_stream_id(const scree_stream* s, uint32_t instance, scree_id* id) {
-  if (s == NULL || id == NULL || instance >= s->instances_end) return false;
-  uint32_t slot = s->instances[instance].block;
-  if (slot >= s->blocks_used) return false;
+  if (s == NULL || id == NULL || instance / s->ranges.unit >= s->ranges.units) return false;
+  uint32_t slot = s->owners[instance / s->ranges.unit];
+  if (slot == STREAM_NONE) return false;
   const stream_block* b = &s->blocks[slot];
   if (!b->shown || b->level > 0 || instance < b->first || instance - b->first >= b->count) return false;
   *id = s->ids[instance];

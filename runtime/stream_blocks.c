@@ -35,8 +35,48 @@ static void give_all(scree_stream* s, uint32_t slot) {
 
 /* --- taking in -------------------------------------------------------------------------------------------------------------- */
 
-/* slot_in_instances: a block that is going to be replaced keeps its slot. */
-static void fill_block(scree_stream* s, uint32_t slot, uint32_t slot_in_instances, const stream_build* build) {
+/* What instances say for their block: one that is going to be replaced keeps its slot. */
+static uint32_t label_of(const stream_node* node, uint32_t slot) {
+  return node->shown && node->block != STREAM_NONE ? node->block : slot;
+}
+
+void scree_rt_stream_keep_place(scree_stream* s, stream_build* build) {
+  const stream_node* node = &s->nodes[build->node];
+  const scree_stream_caps* caps = &s->desc.caps;
+  uint32_t places = s->densest + s->densest / 8;
+  build->place = 0;
+  build->slot = STREAM_NONE;
+  bool plenty = s->ranges.free_units > s->ranges.units / 4 + places / s->ranges.unit &&
+                s->blocks_used - s->blocks_free < caps->blocks - caps->blocks / 4;
+  if (places == 0 || !plenty || !scree_rt_ranges_take(&s->ranges, places, &build->first)) return;
+  build->place = places;
+  build->slot = take_slot(s);
+  build->label = label_of(node, build->slot);
+}
+
+static void leave_place(scree_stream* s, stream_build* build) {
+  if (build->place == 0) return;
+  scree_rt_ranges_give(&s->ranges, build->first, build->place);
+  give_slot(s, build->slot);
+  build->place = 0;
+}
+
+/* The block that a build's instances become, with its place; STREAM_NONE when there is no room. */
+static uint32_t take_place(scree_stream* s, stream_build* build) {
+  if (build->placed) {
+    scree_rt_ranges_trim(&s->ranges, build->first, build->place, build->count);
+    build->place = 0;
+    s->blocks[build->slot].first = build->first;
+    return build->slot;
+  }
+  leave_place(s, build);
+  uint32_t slot = take_slot(s);
+  if (slot != STREAM_NONE && scree_rt_ranges_take(&s->ranges, build->count, &s->blocks[slot].first)) return slot;
+  if (slot != STREAM_NONE) give_slot(s, slot);
+  return STREAM_NONE;
+}
+
+static void fill_block(scree_stream* s, uint32_t slot, const stream_build* build) {
   stream_block* b = &s->blocks[slot];
   const stream_node* node = &s->nodes[build->node];
   memcpy(b->origin, build->origin, sizeof b->origin);
@@ -57,10 +97,13 @@ static void fill_block(scree_stream* s, uint32_t slot, uint32_t slot_in_instance
     b->runs[b->run_count++] = (scree_stream_run){.first = b->first + first, .count = count, .from_level = 255};
   }
   scree_stream_instance* to = s->instances + b->first;
-  memcpy(to, build->instances, build->count * sizeof *to);
-  for (uint32_t i = 0; i < build->count; ++i) to[i].block = slot_in_instances;
-  memcpy(s->ids + b->first, build->ids, build->count * sizeof *s->ids);
-  if (b->first + b->count > s->instances_end) s->instances_end = b->first + b->count;
+  uint32_t label = label_of(node, slot);
+  if (!build->placed) {
+    memcpy(to, build->instances, build->count * sizeof *to);
+    memcpy(s->ids + b->first, build->ids, build->count * sizeof *s->ids);
+  }
+  if (!build->placed || build->label != label)
+    for (uint32_t i = 0; i < build->count; ++i) to[i].block = label;
 }
 
 static uint32_t run_count(const stream_build* build) {
@@ -87,7 +130,7 @@ static void refuse(scree_stream* s, stream_node* node) {
   node->refused = true;
 }
 
-void scree_rt_stream_take_build(scree_stream* s, stream_build* build) {
+static void take_answer(scree_stream* s, stream_build* build) {
   stream_node* node = &s->nodes[build->node];
   if (node->generation != build->generation) return; /* it is gone */
   node->building = false;
@@ -110,15 +153,21 @@ void scree_rt_stream_take_build(scree_stream* s, stream_build* build) {
     node->ready = true;
     return;
   }
-  uint32_t slot = take_slot(s);
-  if (slot == STREAM_NONE || !scree_rt_ranges_take(&s->ranges, build->count, &s->blocks[slot].first)) {
-    if (slot != STREAM_NONE) give_slot(s, slot);
+  uint32_t slot = take_place(s, build);
+  if (slot == STREAM_NONE) {
     s->short_of_room = true;
     return;
   }
-  fill_block(s, slot, node->shown && node->block != STREAM_NONE ? node->block : slot, build);
+  fill_block(s, slot, build);
   node->fresh = slot;
   node->ready = true;
+}
+
+void scree_rt_stream_take_build(scree_stream* s, stream_build* build) {
+  s->densest -= s->densest / 256;
+  if (build->result == SCREE_OK && build->count > s->densest) s->densest = build->count;
+  take_answer(s, build);
+  leave_place(s, build);
 }
 
 void scree_rt_stream_drop_fresh(scree_stream* s, stream_node* node) {
@@ -185,10 +234,17 @@ static void count_node(scree_stream* s, uint32_t number, bool shown) {
   for (uint32_t n = number; n != STREAM_NONE; n = s->nodes[n].parent) s->nodes[n].shown_below += shown ? 1u : UINT32_MAX;
 }
 
+static void own_places(scree_stream* s, uint32_t block) {
+  const stream_block* b = &s->blocks[block];
+  for (uint32_t unit = b->first / s->ranges.unit; unit <= (b->first + b->count - 1) / s->ranges.unit; ++unit)
+    s->owners[unit] = block;
+}
+
 static void bring_in(scree_stream* s, uint32_t block) {
   stream_block* b = &s->blocks[block];
   b->shown = true;
   count_shown(s, b, true);
+  own_places(s, block);
   scree_rt_stream_levels_start(s, block, s->desc.fade_seconds > 0);
   send_instances(s, SCREE_EVENT_BLOCK_IN, block);
 }
@@ -252,6 +308,7 @@ void scree_rt_stream_replace(scree_stream* s, uint32_t number) {
   b->shown = true;
   give_slot(s, fresh);
   count_shown(s, b, true);
+  own_places(s, old);
   scree_rt_stream_levels_start(s, old, false);
   send_instances(s, SCREE_EVENT_BLOCK_CHANGE, old);
 }

@@ -177,16 +177,21 @@ typedef struct stream_build {
   uint32_t layer, level;
   int32_t low[3], high[3];
   double origin[3];
+  uint32_t slot, label;  /* block that is kept for it, or STREAM_NONE; what its instances say for their block */
+  uint32_t first, place; /* places in the array of instances that are kept for it */
   /* answer */
   scree_result result;
   uint32_t count, class_first[STREAM_CLASSES + 1];
   uint32_t triangles[STREAM_CLASSES][STREAM_LEVELS];
   float min[3], max[3];
   scree_scratch* scratch;
-  scree_stream_instance* instances; /* sorted by class, then asset */
+  scree_stream_instance* instances; /* sorted by class, then asset: in the stream's array if that is where they fit */
   scree_id* ids;
-  uint64_t* keys; /* 2 * capacity */
-  uint32_t capacity;
+  bool placed; /* they did */
+  scree_stream_instance* own_instances;
+  scree_id* own_ids;
+  uint64_t* keys; /* 2 * key_capacity */
+  uint32_t capacity, key_capacity;
 } stream_build;
 
 typedef struct stream_decode {
@@ -278,7 +283,8 @@ struct scree_stream {
   stream_ranges ranges;
   scree_stream_instance* instances;
   scree_id* ids;
-  uint32_t instances_end; /* places from here on were never in use */
+  uint32_t* owners; /* block that is shown, or was, for each unit of ranges; STREAM_NONE: none so far */
+  uint32_t densest; /* instances of the largest blocks of late: so many places are kept for a build */
   stream_wait* waiting;
   uint32_t waiting_count, waiting_next;
   uint32_t *fading, fading_count;
@@ -387,6 +393,8 @@ void scree_rt_stream_unwatch(scree_stream* stream, uint32_t block);
 void scree_rt_stream_watch_update(scree_stream* stream, bool anew);
 
 /* stream_blocks.c */
+/* Keeps a block and places for a build where there is plenty of room, so that its task can put the instances where they belong. */
+void scree_rt_stream_keep_place(scree_stream* stream, stream_build* build);
 /* Takes in what a build found: the node's `fresh`. */
 void scree_rt_stream_take_build(scree_stream* stream, stream_build* build);
 uint64_t scree_rt_stream_fresh_bytes(const scree_stream* stream, const stream_node* node);

@@ -93,6 +93,13 @@ bool scree_rt_ranges_take(stream_ranges* r, uint32_t count, uint32_t* first) {
   return true;
 }
 
+void scree_rt_ranges_trim(stream_ranges* r, uint32_t first, uint32_t count, uint32_t kept) {
+  uint32_t at = first / r->unit, length = count / r->unit + (count % r->unit != 0), left = kept / r->unit + (kept % r->unit != 0);
+  if (left >= length) return;
+  r->sizes[at] = r->sizes[at + left - 1] = left;
+  scree_rt_ranges_give(r, (at + left) * r->unit, (length - left) * r->unit);
+}
+
 void scree_rt_ranges_give(stream_ranges* r, uint32_t first, uint32_t count) {
   uint32_t at = first / r->unit, length = count / r->unit + (count % r->unit != 0);
   r->free_units += length;

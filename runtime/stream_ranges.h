@@ -29,5 +29,7 @@ void scree_rt_ranges_init(stream_ranges* ranges, uint32_t capacity, uint32_t* wo
 /* Takes `count` > 0 places in a row; false when there are none. */
 bool scree_rt_ranges_take(stream_ranges* ranges, uint32_t count, uint32_t* first);
 void scree_rt_ranges_give(stream_ranges* ranges, uint32_t first, uint32_t count);
+/* Gives back all but the first `kept` > 0 places of a range. */
+void scree_rt_ranges_trim(stream_ranges* ranges, uint32_t first, uint32_t count, uint32_t kept);
 
 #endif

@@ -61,28 +61,35 @@ void scree_rt_stream_tasks_wait(scree_stream* s) {
 
 /* --- builds ----------------------------------------------------------------------------------------------------------------- */
 
+/* Room for the keys of `count` rocks, and for their instances where none has been kept. */
 static bool reserve_build(stream_build* b, uint64_t count) {
-  if (count <= b->capacity) return true;
   const scree_allocator* allocator = &b->task.stream->allocator;
   if (count > 1u << 30) return false;
   uint32_t capacity = (uint32_t)(count + count / 4 + 63) / 64 * 64;
-  scree_rt_release(allocator, b->instances, b->capacity, sizeof *b->instances);
-  scree_rt_release(allocator, b->ids, b->capacity, sizeof *b->ids);
-  scree_rt_release(allocator, b->keys, (size_t)2 * b->capacity, sizeof *b->keys);
-  b->instances = scree_rt_allocate(allocator, capacity, sizeof *b->instances);
-  b->ids = scree_rt_allocate(allocator, capacity, sizeof *b->ids);
-  b->keys = scree_rt_allocate(allocator, (size_t)2 * capacity, sizeof *b->keys);
-  if (b->instances == NULL || b->ids == NULL || b->keys == NULL) {
-    scree_rt_release(allocator, b->instances, capacity, sizeof *b->instances);
-    scree_rt_release(allocator, b->ids, capacity, sizeof *b->ids);
-    scree_rt_release(allocator, b->keys, (size_t)2 * capacity, sizeof *b->keys);
-    b->instances = NULL;
-    b->ids = NULL;
-    b->keys = NULL;
-    b->capacity = 0;
-    return false;
+  if (count > b->key_capacity) {
+    scree_rt_release(allocator, b->keys, (size_t)2 * b->key_capacity, sizeof *b->keys);
+    b->keys = scree_rt_allocate(allocator, (size_t)2 * capacity, sizeof *b->keys);
+    b->key_capacity = b->keys != NULL ? capacity : 0;
+    if (b->keys == NULL) return false;
   }
-  b->capacity = capacity;
+  b->placed = count <= b->place;
+  if (!b->placed && count > b->capacity) {
+    scree_rt_release(allocator, b->own_instances, b->capacity, sizeof *b->own_instances);
+    scree_rt_release(allocator, b->own_ids, b->capacity, sizeof *b->own_ids);
+    b->own_instances = scree_rt_allocate(allocator, capacity, sizeof *b->own_instances);
+    b->own_ids = scree_rt_allocate(allocator, capacity, sizeof *b->own_ids);
+    b->capacity = capacity;
+    if (b->own_instances == NULL || b->own_ids == NULL) {
+      scree_rt_release(allocator, b->own_instances, capacity, sizeof *b->own_instances);
+      scree_rt_release(allocator, b->own_ids, capacity, sizeof *b->own_ids);
+      b->own_instances = NULL;
+      b->own_ids = NULL;
+      b->capacity = 0;
+      return false;
+    }
+  }
+  b->instances = b->placed ? b->task.stream->instances + b->first : b->own_instances;
+  b->ids = b->placed ? b->task.stream->ids + b->first : b->own_ids;
   return true;
 }
 
@@ -115,7 +122,7 @@ static void arrange(stream_build* b, const scree_rock* rocks, uint32_t count) {
     ++b->class_first[class + 1];
   }
   for (uint32_t c = 0; c < STREAM_CLASSES; ++c) b->class_first[c + 1] += b->class_first[c];
-  const uint64_t* sorted = sort_keys(b->keys, b->keys + b->capacity, kept);
+  const uint64_t* sorted = sort_keys(b->keys, b->keys + b->key_capacity, kept);
   for (uint32_t i = 0; i < kept; ++i) {
     const scree_rock* rock = &rocks[(uint32_t)sorted[i]];
     for (int a = 0; a < 3; ++a) {
@@ -124,6 +131,7 @@ static void arrange(stream_build* b, const scree_rock* rocks, uint32_t count) {
       if (i == 0 || rock->position[a] > b->max[a]) b->max[a] = rock->position[a];
     }
     b->instances[i].asset = rock->asset;
+    b->instances[i].block = b->label;
     b->instances[i].random = scree_scene_random(s->scene, &rock->id);
     b->ids[i] = rock->id;
   }
@@ -158,6 +166,7 @@ static void run_build(stream_task* task) {
   const scree_rock* rocks = NULL;
   uint64_t count = 0;
   b->count = 0;
+  b->placed = false;
   if (b->level == 0)
     b->result =
         scree_rt_scene_block(s->scene, s->desc.edits, b->layer, b->low, b->high, b->origin, true, b->scratch, &rocks, &count);
@@ -189,6 +198,7 @@ bool scree_rt_stream_build_start(scree_stream* s, uint32_t number) {
   }
   stream_node_low(&s->layers[node->layer], node->level, node->at, b->origin);
   node->building = true;
+  scree_rt_stream_keep_place(s, b);
   start_task(s, &b->task, run_build);
   return true;
 }
@@ -280,8 +290,8 @@ void scree_rt_stream_tasks_destroy(scree_stream* s) {
   for (uint32_t i = 0; i < s->desc.caps.builds; ++i) {
     stream_build* b = &s->builds[i];
     scree_scratch_destroy(b->scratch);
-    scree_rt_release(&s->allocator, b->instances, b->capacity, sizeof *b->instances);
-    scree_rt_release(&s->allocator, b->ids, b->capacity, sizeof *b->ids);
-    scree_rt_release(&s->allocator, b->keys, (size_t)2 * b->capacity, sizeof *b->keys);
+    scree_rt_release(&s->allocator, b->own_instances, b->capacity, sizeof *b->own_instances);
+    scree_rt_release(&s->allocator, b->own_ids, b->capacity, sizeof *b->own_ids);
+    scree_rt_release(&s->allocator, b->keys, (size_t)2 * b->key_capacity, sizeof *b->keys);
   }
 }

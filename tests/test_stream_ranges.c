@@ -53,6 +53,12 @@ static void check_against_map(uint32_t capacity, uint32_t largest, uint64_t seed
         map[first / unit + i] = 1;
       }
       taken[count++] = (taken_range){first, wanted};
+    } else if (count > 0 && random_below(&r, 4) == 0) {
+      taken_range* range = &taken[random_below(&r, count)];
+      uint32_t kept = 1 + random_below(&r, range->count), left = (kept + unit - 1) / unit;
+      scree_rt_ranges_trim(&ranges, range->first, range->count, kept);
+      memset(map + range->first / unit + left, 0, (range->count + unit - 1) / unit - left);
+      range->count = kept;
     } else if (count > 0) {
       uint32_t which = random_below(&r, count);
       scree_rt_ranges_give(&ranges, taken[which].first, taken[which].count);
