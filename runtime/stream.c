@@ -31,7 +31,7 @@ static void lay_out(scree_stream* s, const scree_stream_caps* caps, arena* a) {
   s->holes = take(a, s->node_count, sizeof *s->holes);
   s->wants = take(a, builds, sizeof *s->wants);
   s->blocks = take(a, caps->blocks, sizeof *s->blocks);
-  s->watches = take(a, caps->blocks, sizeof *s->watches);
+  s->watches = take(a, (size_t)8 * scree_rt_stream_watch_rows(caps), sizeof *s->watches);
   s->waiting = take(a, caps->blocks, sizeof *s->waiting);
   s->fading = take(a, caps->blocks, sizeof *s->fading);
   s->moved = take(a, caps->blocks, sizeof *s->moved);
@@ -62,8 +62,7 @@ size_t scree_stream_memory(const scree_stream_desc* given) {
 static void init_lists(scree_stream* s) {
   s->grave = s->free_node = s->free_block = STREAM_NONE;
   s->idle_first = s->idle_last = STREAM_NONE;
-  for (uint32_t i = 0; i < STREAM_BUCKETS; ++i) s->buckets[i] = STREAM_NONE;
-  for (uint32_t i = 0; i < s->desc.caps.blocks; ++i) s->watches[i].bucket = STREAM_NONE;
+  scree_rt_stream_watch_init(s);
   s->view_limit = s->desc.view_distance;
   s->split_scale = s->mesh_scale = 1;
   s->relax_travel = s->mesh_relax_travel = -INFINITY;

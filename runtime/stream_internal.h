@@ -37,8 +37,7 @@ enum {
   STREAM_PACKS = 2 * STREAM_LAYERS, /* of a scene, and of scenes before it whose meshes have not yet gone out */
   STREAM_TOP = 24,                  /* highest level of a tree */
   STREAM_BLOCK_CUBES = 4,           /* a block is so many cubes wide */
-  STREAM_PLANES = 8,
-  STREAM_BUCKETS = 1024 /* of the wheel, see stream_watch.c */
+  STREAM_PLANES = 8
 };
 
 #define STREAM_NONE UINT32_MAX
@@ -112,6 +111,7 @@ typedef struct stream_node {
   uint8_t level;
   uint8_t empty; /* bit i: child i can hold nothing */
   uint8_t context, child_context;
+  uint8_t settled;   /* bit i: child i is a block that is shown and has nothing to do but to go out of view */
   bool shown, ready; /* ready: fresh is the answer of a build */
   bool building, stale, split;
   bool opened;  /* it was shown and its children have taken its place */
@@ -146,14 +146,6 @@ typedef struct stream_block {
   uint32_t next;       /* free slot */
   uint64_t sent;       /* update of its last event */
 } stream_block;
-
-/* What is looked at of a block while the views move. */
-typedef struct stream_watch {
-  double low[3], high[3]; /* box of everything it draws, world */
-  double near, far;       /* scaled distances between which its levels stay */
-  uint32_t before, after; /* in its bucket */
-  uint32_t bucket;        /* STREAM_NONE: it is not watched */
-} stream_watch;
 
 /* A block that waits for meshes, and the error on the screen of what it draws meanwhile. */
 typedef struct stream_wait {
@@ -190,8 +182,8 @@ typedef struct stream_build {
   bool placed; /* they did */
   scree_stream_instance* own_instances;
   scree_id* own_ids;
-  uint64_t* keys; /* 2 * key_capacity */
-  uint32_t capacity, key_capacity;
+  uint64_t* keys; /* 2 * capacity */
+  uint32_t capacity;
 } stream_build;
 
 typedef struct stream_decode {
@@ -288,10 +280,8 @@ struct scree_stream {
   stream_wait* waiting;
   uint32_t waiting_count, waiting_next;
   uint32_t *fading, fading_count;
-  stream_watch* watches; /* beside blocks */
-  uint32_t buckets[STREAM_BUCKETS];
-  uint64_t bucket_now;
-  double watched_travel;
+  float* watches; /* see stream_watch.c */
+  double anchor[3], watched_travel;
   uint32_t *moved, moved_count; /* blocks whose aims have changed in this update */
 
   /* Tasks. */
@@ -372,8 +362,8 @@ bool scree_rt_stream_coarsest_are_in(const scree_stream* stream, uint32_t layer,
 static inline uint64_t stream_run_bytes(const stream_block* block) {
   return block->run_count * sizeof(scree_stream_run);
 }
-/* What the rule wants of a shown block at a scaled distance; delivers the distances between which that stays. */
-void scree_rt_stream_levels_aim(scree_stream* stream, uint32_t block, double scaled, double* near, double* far);
+/* What the rule wants of a shown block now; delivers the scaled distances between which that stays. */
+void scree_rt_stream_levels_aim(scree_stream* stream, uint32_t block, double* near, double* far);
 /* Chooses the levels of a block that comes in, and counts it as a user of their meshes. */
 void scree_rt_stream_levels_start(scree_stream* stream, uint32_t block, bool fades);
 /* It only fades out from now on. */
@@ -386,8 +376,11 @@ void scree_rt_stream_levels_recount(scree_stream* stream, uint32_t block);
 void scree_rt_stream_levels_update(scree_stream* stream);
 
 /* stream_watch.c */
-/* A block is at a scaled distance, and its levels stay between two others. */
-void scree_rt_stream_watch(scree_stream* stream, uint32_t block, double scaled, double near, double far);
+/* Numbers that watching takes are eight such rows. */
+uint32_t scree_rt_stream_watch_rows(const scree_stream_caps* caps);
+void scree_rt_stream_watch_init(scree_stream* stream);
+/* The levels of a block stay between two scaled distances. */
+void scree_rt_stream_watch(scree_stream* stream, uint32_t block, double near, double far);
 void scree_rt_stream_unwatch(scree_stream* stream, uint32_t block);
 /* Looks at the blocks that are due; at all if `anew`. */
 void scree_rt_stream_watch_update(scree_stream* stream, bool anew);

@@ -215,8 +215,8 @@ void scree_rt_stream_levels_start(scree_stream* s, uint32_t block, bool fades) {
   memset(b->barred, 0, sizeof b->barred);
   memset(b->counted, 0, sizeof b->counted);
   memset(b->goal, 0, sizeof b->goal);
-  double near, far, scaled = block_distance(s, b);
-  aim_at(s, b, scaled, true, &near, &far);
+  double near, far;
+  aim_at(s, b, block_distance(s, b), true, &near, &far);
   for (uint32_t r = 0; r < b->run_count; ++r) {
     uint8_t level = b->aim[r], coarsest = (uint8_t)(s->packs[b->pack].levels - 1);
     while (!count_on(s, b, r, level) && level < coarsest) ++level;
@@ -229,7 +229,7 @@ void scree_rt_stream_levels_start(scree_stream* s, uint32_t block, bool fades) {
   }
   count_coarser(s, b);
   if (waits(b)) start_waiting(s, block);
-  scree_rt_stream_watch(s, block, scaled, near, far);
+  scree_rt_stream_watch(s, block, near, far);
 }
 
 void scree_rt_stream_levels_end(scree_stream* s, uint32_t block) {
@@ -257,16 +257,14 @@ void scree_rt_stream_levels_fade_out(scree_stream* s, uint32_t block) {
   start_fading(s, block);
 }
 
-void scree_rt_stream_levels_aim(scree_stream* s, uint32_t block, double scaled, double* near, double* far) {
+void scree_rt_stream_levels_aim(scree_stream* s, uint32_t block, double* near, double* far) {
   stream_block* b = &s->blocks[block];
-  aim_at(s, b, scaled, false, near, far);
+  aim_at(s, b, block_distance(s, b), false, near, far);
   count_coarser(s, b);
-  if (waits(b)) {
-    start_waiting(s, block);
+  if (waits(b))
     s->moved[s->moved_count++] = block;
-  } else {
+  else
     stop_waiting(s, block);
-  }
 }
 
 /* Brings a run as near to its aim as the meshes that are there allow. Returns whether it has changed. */
@@ -374,8 +372,10 @@ static uint32_t most_urgent(const scree_stream* s, uint32_t blocks[URGENT]) {
 void scree_rt_stream_levels_update(scree_stream* s) {
   scree_rt_stream_watch_update(s, s->revisit);
   if (s->fading_count > 0) end_fades(s);
-  for (uint32_t i = 0; i < s->moved_count; ++i)
-    if (s->blocks[s->moved[i]].waiting_at != STREAM_NONE) serve(s, s->moved[i]);
+  for (uint32_t i = 0; i < s->moved_count; ++i) { /* most find their meshes there */
+    serve(s, s->moved[i]);
+    if (waits(&s->blocks[s->moved[i]])) start_waiting(s, s->moved[i]);
+  }
   if (s->waiting_count == 0) return;
   uint32_t urgent[URGENT], count = most_urgent(s, urgent);
   for (uint32_t i = 0; i < count; ++i) serve(s, urgent[i]);

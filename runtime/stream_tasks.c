@@ -61,35 +61,29 @@ void scree_rt_stream_tasks_wait(scree_stream* s) {
 
 /* --- builds ----------------------------------------------------------------------------------------------------------------- */
 
-/* Room for the keys of `count` rocks, and for their instances where none has been kept. */
+/* Room for `count` rocks, even where places are kept for them: a denser block may find none. */
 static bool reserve_build(stream_build* b, uint64_t count) {
+  if (count <= b->capacity) return true;
   const scree_allocator* allocator = &b->task.stream->allocator;
   if (count > 1u << 30) return false;
   uint32_t capacity = (uint32_t)(count + count / 4 + 63) / 64 * 64;
-  if (count > b->key_capacity) {
-    scree_rt_release(allocator, b->keys, (size_t)2 * b->key_capacity, sizeof *b->keys);
-    b->keys = scree_rt_allocate(allocator, (size_t)2 * capacity, sizeof *b->keys);
-    b->key_capacity = b->keys != NULL ? capacity : 0;
-    if (b->keys == NULL) return false;
+  scree_rt_release(allocator, b->own_instances, b->capacity, sizeof *b->own_instances);
+  scree_rt_release(allocator, b->own_ids, b->capacity, sizeof *b->own_ids);
+  scree_rt_release(allocator, b->keys, (size_t)2 * b->capacity, sizeof *b->keys);
+  b->own_instances = scree_rt_allocate(allocator, capacity, sizeof *b->own_instances);
+  b->own_ids = scree_rt_allocate(allocator, capacity, sizeof *b->own_ids);
+  b->keys = scree_rt_allocate(allocator, (size_t)2 * capacity, sizeof *b->keys);
+  if (b->own_instances == NULL || b->own_ids == NULL || b->keys == NULL) {
+    scree_rt_release(allocator, b->own_instances, capacity, sizeof *b->own_instances);
+    scree_rt_release(allocator, b->own_ids, capacity, sizeof *b->own_ids);
+    scree_rt_release(allocator, b->keys, (size_t)2 * capacity, sizeof *b->keys);
+    b->own_instances = NULL;
+    b->own_ids = NULL;
+    b->keys = NULL;
+    b->capacity = 0;
+    return false;
   }
-  b->placed = count <= b->place;
-  if (!b->placed && count > b->capacity) {
-    scree_rt_release(allocator, b->own_instances, b->capacity, sizeof *b->own_instances);
-    scree_rt_release(allocator, b->own_ids, b->capacity, sizeof *b->own_ids);
-    b->own_instances = scree_rt_allocate(allocator, capacity, sizeof *b->own_instances);
-    b->own_ids = scree_rt_allocate(allocator, capacity, sizeof *b->own_ids);
-    b->capacity = capacity;
-    if (b->own_instances == NULL || b->own_ids == NULL) {
-      scree_rt_release(allocator, b->own_instances, capacity, sizeof *b->own_instances);
-      scree_rt_release(allocator, b->own_ids, capacity, sizeof *b->own_ids);
-      b->own_instances = NULL;
-      b->own_ids = NULL;
-      b->capacity = 0;
-      return false;
-    }
-  }
-  b->instances = b->placed ? b->task.stream->instances + b->first : b->own_instances;
-  b->ids = b->placed ? b->task.stream->ids + b->first : b->own_ids;
+  b->capacity = capacity;
   return true;
 }
 
@@ -122,7 +116,7 @@ static void arrange(stream_build* b, const scree_rock* rocks, uint32_t count) {
     ++b->class_first[class + 1];
   }
   for (uint32_t c = 0; c < STREAM_CLASSES; ++c) b->class_first[c + 1] += b->class_first[c];
-  const uint64_t* sorted = sort_keys(b->keys, b->keys + b->key_capacity, kept);
+  const uint64_t* sorted = sort_keys(b->keys, b->keys + b->capacity, kept);
   for (uint32_t i = 0; i < kept; ++i) {
     const scree_rock* rock = &rocks[(uint32_t)sorted[i]];
     for (int a = 0; a < 3; ++a) {
@@ -177,6 +171,9 @@ static void run_build(stream_task* task) {
     b->result = SCREE_ERROR_OUT_OF_MEMORY;
     return;
   }
+  b->placed = count <= b->place;
+  b->instances = b->placed ? s->instances + b->first : b->own_instances;
+  b->ids = b->placed ? s->ids + b->first : b->own_ids;
   arrange(b, rocks, (uint32_t)count);
   grow_box(b);
 }
@@ -292,6 +289,6 @@ void scree_rt_stream_tasks_destroy(scree_stream* s) {
     scree_scratch_destroy(b->scratch);
     scree_rt_release(&s->allocator, b->own_instances, b->capacity, sizeof *b->own_instances);
     scree_rt_release(&s->allocator, b->own_ids, b->capacity, sizeof *b->own_ids);
-    scree_rt_release(&s->allocator, b->keys, (size_t)2 * b->key_capacity, sizeof *b->keys);
+    scree_rt_release(&s->allocator, b->keys, (size_t)2 * b->capacity, sizeof *b->keys);
   }
 }

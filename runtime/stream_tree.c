@@ -190,6 +190,7 @@ static void free_node(scree_stream* s, uint32_t number) {
       if (parent->child[i] == number) {
         parent->child[i] = STREAM_NONE;
         parent->child_due[i] = -INFINITY;
+        parent->settled &= (uint8_t) ~(1u << i);
       }
   }
   if (node->refused) --s->refused;
@@ -372,15 +373,23 @@ static double visit_leaf(scree_stream* s, uint32_t number, uint8_t context, doub
   return due;
 }
 
-/* The child at place i of a split node, made if it may hold something. *due: when it may come into view. */
-static uint32_t child_of(scree_stream* s, uint32_t number, int i, bool* missing, double* due) {
-  stream_node* node = &s->nodes[number];
-  if (node->child[i] != STREAM_NONE || (node->empty >> i & 1)) return node->child[i];
+static double child_distance(const scree_stream* s, const stream_node* node, int i) {
   int32_t at[3];
   double low[3], high[3], scaled;
   for (int a = 0; a < 3; ++a) at[a] = node->at[a] * 2 + (i >> a & 1);
   node_box(&s->layers[node->layer], node->level - 1u, at, low, high);
-  double distance = scree_rt_stream_distance(s, low, high, &scaled);
+  return scree_rt_stream_distance(s, low, high, &scaled);
+}
+
+static bool is_settled(const stream_node* node) {
+  return node->level == 0 && node->shown && !node->stale && !node->refused && node->context == 0;
+}
+
+/* The child at place i of a split node, made if it may hold something. *due: when it may come into view. */
+static uint32_t child_of(scree_stream* s, uint32_t number, int i, bool* missing, double* due) {
+  stream_node* node = &s->nodes[number];
+  if (node->child[i] != STREAM_NONE || (node->empty >> i & 1)) return node->child[i];
+  double distance = child_distance(s, node, i);
   if (distance > s->view_limit) {
     *due = fmin(*due, s->travel + distance - s->view_limit);
     return STREAM_NONE;
@@ -388,6 +397,8 @@ static uint32_t child_of(scree_stream* s, uint32_t number, int i, bool* missing,
   *missing = true;
   if (s->expansions == 0) return STREAM_NONE;
   --s->expansions;
+  int32_t at[3];
+  for (int a = 0; a < 3; ++a) at[a] = node->at[a] * 2 + (i >> a & 1);
   bool empty;
   uint32_t child = make_node(s, node->layer, node->level - 1u, at, number, &empty);
   if (empty) {
@@ -408,6 +419,11 @@ static double visit_split(scree_stream* s, uint32_t number, uint8_t context) {
   double due = INFINITY;
   bool all_ready = true, any_missing = false;
   bool known = !s->revisit && node->child_context == below;
+  for (int i = 0; i < 8 && known; ++i) { /* blocks that stay need not be touched */
+    if (node->child_due[i] > s->travel || !(node->settled >> i & 1)) continue;
+    double distance = child_distance(s, node, i);
+    if (distance < s->view_limit) node->child_due[i] = s->travel + s->view_limit - distance;
+  }
   for (int i = 0; i < 8; ++i)
     if (node->child[i] != STREAM_NONE && node->child_due[i] <= s->travel) stream_prefetch(&s->nodes[node->child[i]], sizeof *node);
   node->child_context = below;
@@ -422,6 +438,8 @@ static double visit_split(scree_stream* s, uint32_t number, uint8_t context) {
       }
       if (child != STREAM_NONE) child_due = visit(s, child, below);
       node->child_due[i] = child_due;
+      node->settled &= (uint8_t) ~(1u << i);
+      if (node->child[i] != STREAM_NONE && is_settled(&s->nodes[node->child[i]])) node->settled |= (uint8_t)(1u << i);
     }
     if (node->child_due[i] < due) due = node->child_due[i];
     if (!node->shown || node->child[i] == STREAM_NONE) continue;
@@ -632,7 +650,7 @@ static void touch_node(scree_stream* s, uint32_t number, const double min[3], co
   node->due = -INFINITY;
   node->touched = s->touch;
   for (int i = 0; i < 8; ++i) node->child_due[i] = -INFINITY;
-  node->empty = 0;
+  node->empty = node->settled = 0;
   node->opened = false;
   if (node->shown) node->stale = true;
   scree_rt_stream_drop_fresh(s, node);

@@ -1,108 +1,98 @@
 /* Which blocks have to be looked at because a view has moved. Each shown block has a range of distances in which its levels stay as
- * they are; from the nearer end of it follows how far the views may travel before it can be left. Blocks lie in a wheel of buckets
- * by that: an update looks only at those whose travel has passed. */
+ * they are. An update holds all of them against the views, four at a time where the compiler can: that costs less than to find, in
+ * memory, the few that might be due. Numbers are floats relative to an anchor near the views; ranges are narrowed by what rounding
+ * may do, so that no block is missed. */
 #include <math.h>
+#include <string.h>
 
 #include "stream_internal.h"
 
-enum { PREFETCHED = 192 }; /* bytes of a block that decide about its levels */
+enum { GROUP = 64, LOW = 0, HIGH = 3, NEAR = 6, FAR = 7 };
 
-static double bucket_width(const scree_stream* s) {
-  return s->desc.view_distance / STREAM_BUCKETS;
+static float* column(const scree_stream* s, uint32_t which) {
+  return s->watches + (size_t)which * scree_rt_stream_watch_rows(&s->desc.caps);
 }
 
-static uint32_t* bucket_of(scree_stream* s, uint64_t number) {
-  return &s->buckets[number % STREAM_BUCKETS];
-}
-
-static void put(scree_stream* s, uint32_t block, double margin) {
-  stream_watch* w = &s->watches[block];
-  double ahead = floor((s->travel + margin) / bucket_width(s)) - (double)s->bucket_now;
-  uint64_t number = s->bucket_now + (ahead < 0 ? 0 : ahead < STREAM_BUCKETS - 1 ? (uint64_t)ahead : STREAM_BUCKETS - 1);
-  uint32_t* head = bucket_of(s, number);
-  w->bucket = (uint32_t)(number % STREAM_BUCKETS);
-  w->before = STREAM_NONE;
-  w->after = *head;
-  if (*head != STREAM_NONE) s->watches[*head].before = block;
-  *head = block;
-}
-
-static void take_out(scree_stream* s, uint32_t block) {
-  stream_watch* w = &s->watches[block];
-  if (w->before != STREAM_NONE)
-    s->watches[w->before].after = w->after;
-  else
-    s->buckets[w->bucket] = w->after;
-  if (w->after != STREAM_NONE) s->watches[w->after].before = w->before;
-  w->bucket = STREAM_NONE;
-}
-
-static void put_back(scree_stream* s, uint32_t block, double scaled) {
-  const stream_watch* w = &s->watches[block];
-  put(s, block, fmax(0, fmin(scaled - w->near, w->far - scaled)));
-}
-
-void scree_rt_stream_watch(scree_stream* s, uint32_t block, double scaled, double near, double far) {
-  const stream_block* b = &s->blocks[block];
-  stream_watch* w = &s->watches[block];
-  for (int a = 0; a < 3; ++a) {
-    w->low[a] = b->origin[a] + (double)b->min[a];
-    w->high[a] = b->origin[a] + (double)b->max[a];
-  }
-  w->near = near;
-  w->far = far;
-  put_back(s, block, scaled);
+uint32_t scree_rt_stream_watch_rows(const scree_stream_caps* caps) {
+  return (caps->blocks + GROUP - 1) / GROUP * GROUP;
 }
 
 void scree_rt_stream_unwatch(scree_stream* s, uint32_t block) {
-  if (s->watches[block].bucket != STREAM_NONE) take_out(s, block);
+  column(s, NEAR)[block] = -1;
+  column(s, FAR)[block] = INFINITY;
 }
 
-static void look_at(scree_stream* s, uint32_t block, bool anew) {
-  stream_watch* w = &s->watches[block];
-  double scaled;
-  scree_rt_stream_distance(s, w->low, w->high, &scaled);
-  if (anew || !(scaled > w->near && scaled < w->far)) scree_rt_stream_levels_aim(s, block, scaled, &w->near, &w->far);
-  put_back(s, block, scaled);
-}
-
-static void look_at_bucket(scree_stream* s, uint32_t* head, bool anew) {
-  uint32_t block = *head;
-  *head = STREAM_NONE;
-  while (block != STREAM_NONE) { /* what is put back comes to the front of a bucket, never behind this one */
-    uint32_t after = s->watches[block].after;
-    if (after != STREAM_NONE) { /* blocks of a bucket lie all over the memory */
-      stream_prefetch(&s->watches[after], sizeof *s->watches);
-      stream_prefetch(&s->blocks[after], PREFETCHED);
-    }
-    look_at(s, block, anew);
-    block = after;
+void scree_rt_stream_watch_init(scree_stream* s) {
+  for (uint32_t i = 0; i < scree_rt_stream_watch_rows(&s->desc.caps); ++i) {
+    for (uint32_t k = LOW; k < NEAR; ++k) column(s, k)[i] = 0;
+    scree_rt_stream_unwatch(s, i);
   }
+}
+
+void scree_rt_stream_watch(scree_stream* s, uint32_t block, double near, double far) {
+  const stream_block* b = &s->blocks[block];
+  double size = 0;
+  for (uint32_t a = 0; a < 3; ++a) {
+    double low = b->origin[a] + (double)b->min[a] - s->anchor[a], high = b->origin[a] + (double)b->max[a] - s->anchor[a];
+    column(s, LOW + a)[block] = (float)low;
+    column(s, HIGH + a)[block] = (float)high;
+    size = fmax(size, fmax(fabs(low), fabs(high)));
+  }
+  double slack = (size + (isfinite(far) ? far : near)) * 2e-6;
+  column(s, NEAR)[block] = near >= 0 ? (float)((near + slack) * (near + slack)) : -1;
+  column(s, FAR)[block] = isfinite(far) ? (float)(fmax(far - slack, 0) * (far - slack)) : INFINITY;
+}
+
+static void look_at(scree_stream* s, uint32_t block) {
+  double near, far;
+  scree_rt_stream_levels_aim(s, block, &near, &far);
+  scree_rt_stream_watch(s, block, near, far);
+}
+
+static inline float away2(float low, float high, float p) {
+  float before = low - p, behind = p - high;
+  float away = before > behind ? before : behind;
+  away = away > 0 ? away : 0;
+  return away * away;
+}
+
+/* Squares of the scaled distances of a group. */
+static void measure_group(const scree_stream* s, uint32_t first, float nearest[GROUP]) {
+  const float *x0 = column(s, LOW) + first, *y0 = column(s, LOW + 1) + first, *z0 = column(s, LOW + 2) + first;
+  const float *x1 = column(s, HIGH) + first, *y1 = column(s, HIGH + 1) + first, *z1 = column(s, HIGH + 2) + first;
+  for (uint32_t i = 0; i < GROUP; ++i) nearest[i] = INFINITY;
+  for (uint32_t v = 0; v < s->view_count; ++v) {
+    const stream_view* view = &s->views[v];
+    float x = (float)(view->position[0] - s->anchor[0]), y = (float)(view->position[1] - s->anchor[1]),
+          z = (float)(view->position[2] - s->anchor[2]), scale = (float)(view->ratio * view->ratio), sum[GROUP];
+    for (uint32_t i = 0; i < GROUP; ++i)
+      sum[i] = (away2(x0[i], x1[i], x) + away2(y0[i], y1[i], y) + away2(z0[i], z1[i], z)) * scale;
+    for (uint32_t i = 0; i < GROUP; ++i) nearest[i] = sum[i] < nearest[i] ? sum[i] : nearest[i];
+  }
+}
+
+static void look_through_group(scree_stream* s, uint32_t first) {
+  float distance[GROUP];
+  uint32_t due[GROUP], count = 0;
+  measure_group(s, first, distance);
+  const float *near = column(s, NEAR) + first, *far = column(s, FAR) + first;
+  for (uint32_t i = 0; i < GROUP; ++i) {
+    due[count] = first + i;
+    count += !(distance[i] > near[i] && distance[i] < far[i]);
+  }
+  for (uint32_t i = 0; i < count; ++i) stream_prefetch(&s->blocks[due[i]], sizeof *s->blocks);
+  for (uint32_t i = 0; i < count; ++i) look_at(s, due[i]);
 }
 
 void scree_rt_stream_watch_update(scree_stream* s, bool anew) {
-  uint64_t now = (uint64_t)floor(s->travel / bucket_width(s));
-  if (!anew && s->travel == s->watched_travel && *bucket_of(s, s->bucket_now) == STREAM_NONE) return;
-  uint64_t steps = now - s->bucket_now;
-  if (anew || steps >= STREAM_BUCKETS) { /* all of them */
-    uint32_t all = STREAM_NONE;
-    for (uint32_t i = 0; i < STREAM_BUCKETS; ++i)
-      for (uint32_t block = s->buckets[i], after; block != STREAM_NONE; block = after) {
-        after = s->watches[block].after;
-        s->watches[block].after = all;
-        all = block;
-        s->buckets[i] = after;
-      }
-    s->bucket_now = now;
-    look_at_bucket(s, &all, anew);
-  } else {
-    for (uint64_t last = s->bucket_now; last <= now; ++last) {
-      s->bucket_now = last;
-      uint32_t chain = *bucket_of(s, last);
-      *bucket_of(s, last) = STREAM_NONE;
-      s->bucket_now = now;
-      look_at_bucket(s, &chain, false);
-    }
-  }
+  if (s->view_count == 0 || (!anew && s->travel == s->watched_travel)) return;
   s->watched_travel = s->travel;
+  for (int a = 0; a < 3; ++a) anew = anew || fabs(s->views[0].position[a] - s->anchor[a]) > 4 * s->desc.view_distance;
+  if (anew) {
+    memcpy(s->anchor, s->views[0].position, sizeof s->anchor);
+    for (uint32_t i = 0; i < s->blocks_used; ++i)
+      if (s->blocks[i].shown && !s->blocks[i].leaving) look_at(s, i);
+  } else {
+    for (uint32_t first = 0; first < s->blocks_used; first += GROUP) look_through_group(s, first);
+  }
 }
