@@ -170,7 +170,7 @@ scree_result bake_rock(bake_run* bake, bake_worker* worker, uint32_t cell, uint3
   if (result != SCREE_OK) return result;
   out->cell = cell;
   out->seed = seed;
-  rock_mass(&worker->mesher, 1.0f / (float)(recipe->lattice_steps * recipe->voxels_per_cell), out);
+  rock_mass(&worker->mesher.meshes[0], 1.0f / (float)(recipe->lattice_steps * recipe->voxels_per_cell), out);
   int16_t hull[ROCK_MAX_HULL][3];
   const uint32_t hull_count = rock_hull(&worker->mesher, recipe->hull_vertices, hull);
   out->hull = scree_rt_allocate(&bake->allocator, hull_count, sizeof *out->hull);

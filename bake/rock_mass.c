@@ -57,8 +57,7 @@ static double inner_radius(const mesh_buffer* mesh, const double centroid[3]) {
   return inner;
 }
 
-void rock_mass(const rock_mesher* mesher, float cells_per_lattice, rock_record* out) {
-  const mesh_buffer* mesh = &mesher->meshes[0];
+void rock_mass(const mesh_buffer* mesh, float cells_per_lattice, rock_record* out) {
   memcpy(out->bounds_min, mesh->positions[0], sizeof out->bounds_min);
   memcpy(out->bounds_max, mesh->positions[0], sizeof out->bounds_max);
   for (uint32_t v = 0; v < mesh->vertex_count; ++v)
@@ -87,6 +86,24 @@ void rock_mass(const rock_mesher* mesher, float cells_per_lattice, rock_record* 
   out->outer_radius = (float)(sqrt(farthest2) * scale * (1 + 1e-6));
 }
 
+uint32_t farthest_points(const kernel_set* kernels, const float* const points[3], uint32_t padded, uint32_t most,
+                         uint32_t* chosen) {
+  uint32_t count = 0;
+  /* Directions in order of the squared length of (x, y, z): faces, edges and corners of a cube, then ever finer ones. */
+  for (int32_t shell = 1; shell <= 6 && count < most; ++shell)
+    for (int32_t code = 0; code < 125 && count < most; ++code) {
+      const int32_t x = code % 5 - 2, y = code / 5 % 5 - 2, z = code / 25 - 2;
+      if (x * x + y * y + z * z != shell || (shell == 4 && (x == 2 || y == 2 || z == 2 || x == -2 || y == -2 || z == -2))) continue;
+      const uint32_t best = kernels->farthest(points, padded, (const float[3]){(float)x, (float)y, (float)z});
+      bool known = false;
+      for (uint32_t k = 0; k < count; ++k)
+        known = known || (points[0][chosen[k]] == points[0][best] && points[1][chosen[k]] == points[1][best] &&
+                          points[2][chosen[k]] == points[2][best]);
+      if (!known) chosen[count++] = best;
+    }
+  return count;
+}
+
 uint32_t rock_hull(rock_mesher* mesher, uint32_t most, int16_t (*hull)[3]) {
   const mesh_buffer* mesh = &mesher->meshes[0];
   /* Positions as floats, axis by axis; the first vertex pads the last lanes. */
@@ -95,16 +112,9 @@ uint32_t rock_hull(rock_mesher* mesher, uint32_t most, int16_t (*hull)[3]) {
   for (uint32_t v = 0; v < padded; ++v)
     for (uint32_t axis = 0; axis < 3; ++axis)
       mesher->points[(size_t)axis * padded + v] = mesh->positions[v < mesh->vertex_count ? v : 0][axis];
-  uint32_t count = 0;
-  /* Directions in order of the squared length of (x, y, z): faces, edges and corners of a cube, then ever finer ones. */
-  for (int32_t shell = 1; shell <= 6 && count < most; ++shell)
-    for (int32_t code = 0; code < 125 && count < most; ++code) {
-      const int32_t x = code % 5 - 2, y = code / 5 % 5 - 2, z = code / 25 - 2;
-      if (x * x + y * y + z * z != shell || (shell == 4 && (x == 2 || y == 2 || z == 2 || x == -2 || y == -2 || z == -2))) continue;
-      const uint32_t best = mesher->kernels->farthest(points, padded, (const float[3]){(float)x, (float)y, (float)z});
-      bool known = false;
-      for (uint32_t h = 0; h < count; ++h) known = known || memcmp(hull[h], mesh->positions[best], sizeof *hull) == 0;
-      if (!known) memcpy(hull[count++], mesh->positions[best], sizeof *hull);
-    }
+  uint32_t chosen[ROCK_MAX_HULL];
+  const uint32_t count = farthest_points(mesher->kernels, points, padded, most, chosen);
+  for (uint32_t k = 0; k < count; ++k)
+    memcpy(hull[k], mesh->positions[chosen[k] < mesh->vertex_count ? chosen[k] : 0], sizeof *hull);
   return count;
 }

@@ -48,8 +48,12 @@ void mesh_match_volume(mesh_buffer* mesh, double wanted, float most, float* scra
 /* Volume inside a closed mesh, cubic lattice steps; exact but for the last division. */
 double mesh_volume(const mesh_buffer* mesh);
 
-/* Bounds, centroid, volume and radii of meshes[0], into the record. */
-void rock_mass(const rock_mesher* mesher, float cells_per_lattice, rock_record* out);
+/* Bounds, centroid, volume and radii of a closed mesh, into the record. */
+void rock_mass(const mesh_buffer* mesh, float cells_per_lattice, rock_record* out);
+
+/* The points that are farthest in `most` (<= ROCK_MAX_HULL) fixed directions, without repeats. points: x, y and z, `padded` each, a
+ * whole number of lanes. Returns how many. */
+uint32_t farthest_points(const kernel_set* kernels, const float* const points[3], uint32_t padded, uint32_t most, uint32_t* chosen);
 
 /* Vertices of meshes[0] that are farthest in `most` (<= ROCK_MAX_HULL) fixed directions, without repeats: corners of the convex
  * hull that span nearly all of it. hull: room for `most`. Returns how many. */

@@ -8,13 +8,9 @@
 
 #include <scree/weather.h>
 
-#include "rock_set.h"
+#include "convex_parts.h"
 
-enum {
-  WEATHER_MAX_PARTS = 8,
-  WEATHER_MAX_PART_HULL = 32,
-  WEATHER_MAX_VERTICES = 65536 /* of a level: what 16-bit indices reach */
-};
+enum { WEATHER_MAX_VERTICES = 65536 }; /* of a level: what 16-bit indices reach */
 
 typedef struct weather_lod {
   lattice_mesh mesh;       /* with its surface; triangles of rock first, then those of colluvium; error in voxels; closed, manifold,
@@ -22,12 +18,6 @@ typedef struct weather_lod {
   uint32_t rock_triangles; /* of mesh.triangle_count */
   uint32_t level;          /* of scree_mesher_update that it was made from */
 } weather_lod;
-
-/* A convex part: vertices first .. first + count - 1 of part_vertices. */
-typedef struct weather_part {
-  uint32_t first, count; /* 4..WEATHER_MAX_PART_HULL */
-  float volume;          /* of its hull, cubic voxels */
-} weather_part;
 
 typedef struct weather_asset {
   uint32_t lattice_per_voxel;
@@ -44,19 +34,18 @@ typedef struct weather_asset {
   /* Convex hulls: one over all, and the parts that fit closer where the shape is not convex. part_count = 1: the hull is right. */
   int16_t hull[ROCK_MAX_HULL][3]; /* lattice steps */
   uint32_t hull_count;            /* 4..ROCK_MAX_HULL */
-  weather_part parts[WEATHER_MAX_PARTS];
-  uint32_t part_count; /* 1..WEATHER_MAX_PARTS; from the ground up */
-  int16_t part_vertices[WEATHER_MAX_PARTS * WEATHER_MAX_PART_HULL][3];
-  float hull_air, parts_air; /* share of the volume of the hull, and of the sum of the parts, that is not rock */
+  convex_part parts[PARTS_MAX];   /* from the ground up */
+  uint32_t part_count;            /* 1..PARTS_MAX */
+  float hull_air, parts_air;      /* share of the volume of the hull, and of the sum of the parts, that is not rock */
 } weather_asset;
 
 /* The finest lattice, a power of two up to 64 steps a voxel, that a grid of this size fits on; 0 if none does. */
 uint32_t weather_lattice(const uint32_t size[3]);
 
-/* Makes an asset of what stands now. mesher: of a simulation on a grid of `size` voxels. lattice_per_voxel: 1..weather_lattice.
- * lods: 1..ROCK_MAX_LODS levels; the first is made from the finest level of the mesher that keeps to WEATHER_MAX_VERTICES.
- * allocator: for the arrays of `out`. Returns SCREE_OK, INVALID_ARGUMENT (nothing stands, or it does not fit), or OUT_OF_MEMORY;
- * unless it is SCREE_OK, nothing of `out` is held. */
+/* Makes an asset of what stands now. mesher: of a simulation on a grid of `size` voxels. lattice_per_voxel:
+ * even, 2..weather_lattice. lods: 1..ROCK_MAX_LODS levels; the first is made from the finest level of the mesher that keeps to
+ * WEATHER_MAX_VERTICES. allocator: for the arrays of `out`. Returns SCREE_OK, INVALID_ARGUMENT (nothing stands, or it does not
+ * fit), or OUT_OF_MEMORY; unless it is SCREE_OK, nothing of `out` is held. */
 scree_result weather_asset_make(scree_mesher* mesher, const uint32_t size[3], uint32_t lattice_per_voxel, uint32_t lods,
                                 const scree_allocator* allocator, weather_asset* out);
 void weather_asset_destroy(weather_asset* asset, const scree_allocator* allocator); /* all zero is allowed */

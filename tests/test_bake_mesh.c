@@ -65,7 +65,7 @@ static uint32_t visit_rocks(const scree_recipe* recipe, uint32_t stride, const u
       assert_int_equal(rock_mesh(&worker->mesher, &worker->rock, recipe->lod_levels), SCREE_OK);
       int16_t hull[ROCK_MAX_HULL][3];
       rock_record rock = {.cell = cell, .seed = seed, .hull = hull};
-      rock_mass(&worker->mesher, 1.0f / (float)(recipe->lattice_steps * recipe->voxels_per_cell), &rock);
+      rock_mass(&worker->mesher.meshes[0], 1.0f / (float)(recipe->lattice_steps * recipe->voxels_per_cell), &rock);
       rock.hull_count = rock_hull(&worker->mesher, recipe->hull_vertices, hull);
       visit(&bake, worker, &rock, context);
       ++rocks;
