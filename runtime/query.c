@@ -79,6 +79,31 @@ static float rounding_margin(const query_run* run) {
   return (float)((largest + (double)run->field->centroid_reach) * 8e-6);
 }
 
+/* No distance of the support is less than this. Thin layers are never so deep that a shell leaves something out. */
+static double deepest_value(const scree_support* support) {
+  double stack[SUPPORT_MAX_STACK];
+  uint32_t top = 0;
+  for (uint32_t i = 0; i < support->op_count; ++i) {
+    const support_op* op = &support->ops[i];
+    if (op_is_leaf(op->kind)) {
+      const float* core = op->box.core;
+      double least = -INFINITY;
+      if (op->kind == OP_HEIGHTFIELD) least = -(double)op->height.half * (double)op->height.frame.scale;
+      if (op->kind == OP_BOX || op->kind == OP_BOX_TURNED)
+        least = -(double)op->box.rounding - fmin((double)core[0], fmin((double)core[1], (double)core[2]));
+      stack[top++] = least * (1 + 1e-6);
+    } else if (op_is_pair(op->kind)) {
+      --top;
+      if (op->kind == OP_UNION) stack[top - 1] = fmin(stack[top - 1], stack[top]);
+      if (op->kind == OP_INTERSECTION) stack[top - 1] = fmax(stack[top - 1], stack[top]);
+      if (op->kind == OP_SMOOTH_UNION) stack[top - 1] = -INFINITY;
+    } else {
+      stack[top - 1] = -INFINITY;
+    }
+  }
+  return stack[0];
+}
+
 static void run_best(query_run* run, query_kernel kernel) {
 #ifdef SCREE_WIDE_KERNELS
   if (kernel != QUERY_KERNEL_PLAIN && __builtin_cpu_supports("avx2")) {
@@ -111,7 +136,9 @@ static scree_result run_prepared(query_run* run, query_kernel kernel, uint64_t* 
   scree_result result = find_cubes(run);
   if (result != SCREE_OK) return result;
   run->margin = rounding_margin(run);
-  run->relevant_low = run->floor - run->margin;
+  if ((double)run->floor < deepest_value(run->support) - (double)run->margin) run->floor = -INFINITY;
+  /* Without a floor all that is surely in is alike. */
+  run->relevant_low = (isfinite(run->floor) ? run->floor : run->offset_min) - run->margin;
   run->relevant_high = run->offset_max + run->margin;
   run->whole = kernel == QUERY_KERNEL_WHOLE;
   run_best(run, kernel);

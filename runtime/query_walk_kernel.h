@@ -76,7 +76,7 @@ static void mesh_slopes(const support_op* op, const parts* p, float slopes[PARTS
 static void bound_leaf(walk* w, const support_op* op, const parts* p, float* low, float* high) {
   const query_run* run = w->run;
   float value[PARTS];
-  evaluate_leaf(op, p->x, p->y, p->z, value, PARTS);
+  evaluate_leaf(op, p->x, p->y, p->z, value, PARTS, false);
   float top = (op->flipped ? -run->relevant_low : run->relevant_high) + op->slack_high;
   float bottom = (op->flipped ? -run->relevant_high : run->relevant_low) - op->slack_low;
   const vfloat infinite = v_set(INFINITY);
@@ -177,6 +177,10 @@ static void bound_parts(walk* w, program_view program, parts* p, uint32_t lanes)
     deep |= v_bits(high <= floor) << k;
     in |= v_bits(high <= v_set(run->offset_min)) << k;
     shallow |= v_bits(low > floor) << k;
+  }
+  if (run->floor == -INFINITY) { /* nothing is deep, not even what is decided */
+    deep = 0;
+    shallow = 0xff;
   }
   p->bulk = in & shallow & lanes;
   p->deep = deep & ~out & lanes;
@@ -439,7 +443,8 @@ typedef struct batch {
 
 static void flush(walk* w, const cube_view* c, program_view program, batch* b) {
   const query_run* run = w->run;
-  evaluate_program(w->ops, program.ops, program.length, b->x, b->y, b->z, w->values, b->octets * FIELD_OCTET);
+  evaluate_program(w->ops, program.ops, program.length, b->x, b->y, b->z, w->values, b->octets * FIELD_OCTET,
+                   run->slope == 0 && run->floor == -INFINITY);
   for (uint32_t o = 0; o < b->octets; ++o) {
     uint32_t exists = 0, deep = 0;
     for (uint32_t k = 0; k < FIELD_OCTET; k += SIMD_WIDTH) {

@@ -78,7 +78,8 @@ static inline void load_corners(const uint32_t* samples, size_t above, vint inde
 #endif
 }
 
-static inline vfloat distance_height(const support_op* op, vpoint p) {
+/* `rough`: only whether it is less than, equal to or more than 0 is asked. */
+static inline vfloat distance_height(const support_op* op, vpoint p, bool rough) {
   const support_height* g = op->height.grid;
   const vfloat zero = v_set(0);
   vpoint q = into_frame(&op->height.frame, p);
@@ -95,7 +96,7 @@ static inline vfloat distance_height(const support_op* op, vpoint p) {
   vfloat surface = near_side + v * (far_side - near_side);
   vfloat vertical = v_abs(q.y - surface - v_set(op->height.middle)) - v_set(op->height.half);
   vfloat way = v_abs(vertical), least = way * v_set(g->cosine);
-  if (v_bits(way < v_set(g->local)) != 0) { /* elsewhere the least is more, to the bit */
+  if (!rough && v_bits(way < v_set(g->local)) != 0) { /* elsewhere the least is more, to the bit */
     vuint corners = (vuint)v_gather_int(g->cosines, index);
     const vuint byte = (vuint)v_set_int(0xff);
     vfloat c00 = v_from_int((vint)(corners & byte)), c10 = v_from_int((vint)(corners >> 8 & byte));
@@ -179,8 +180,11 @@ static void distance_callback(const support_op* op, const float* x, const float*
   }
 }
 
-/* Distances of one leaf; count is a multiple of SIMD_WIDTH and at most SUPPORT_BATCH. */
-static void evaluate_leaf(const support_op* op, const float* x, const float* y, const float* z, float* d, uint32_t count) {
+/* Distances of one leaf; count is a multiple of SIMD_WIDTH and at most SUPPORT_BATCH. `signs`: only the signs of the program's
+ * distances are asked. */
+static void evaluate_leaf(const support_op* op, const float* x, const float* y, const float* z, float* d, uint32_t count,
+                          bool signs) {
+  const bool rough = signs && op->slack_low == 0 && op->slack_high == 0; /* nothing adds to it */
 #define EACH(expression)                                            \
   for (uint32_t i = 0; i < count; i += SIMD_WIDTH) {                \
     const vpoint p = {v_load(x + i), v_load(y + i), v_load(z + i)}; \
@@ -194,7 +198,7 @@ static void evaluate_leaf(const support_op* op, const float* x, const float* y, 
     case OP_CAPSULE: EACH(distance_capsule(op, p));
     case OP_CYLINDER: EACH(distance_cylinder(op, p));
     case OP_CONE: EACH(distance_cone(op, p));
-    case OP_HEIGHTFIELD: EACH(distance_height(op, p));
+    case OP_HEIGHTFIELD: EACH(distance_height(op, p, rough));
     case OP_MESH: EACH(distance_mesh(op, p));
     case OP_ELLIPSOID: EACH(distance_ellipsoid(op, p));
     case OP_HALF_SPACE: EACH(distance_half_space(op, p));
@@ -237,12 +241,12 @@ static void change(const support_op* op, const float* x, const float* y, const f
 
 /* Distances of a program; count as above. `values` is scratch. The result lies in values[0]. */
 static void evaluate_program(const support_op* ops, const uint16_t* program, uint32_t length, const float* x, const float* y,
-                             const float* z, float values[SUPPORT_MAX_STACK][SUPPORT_BATCH], uint32_t count) {
+                             const float* z, float values[SUPPORT_MAX_STACK][SUPPORT_BATCH], uint32_t count, bool signs) {
   uint32_t top = 0;
   for (uint32_t i = 0; i < length; ++i) {
     const support_op* op = &ops[program[i]];
     if (op_is_leaf(op->kind)) {
-      evaluate_leaf(op, x, y, z, values[top++], count);
+      evaluate_leaf(op, x, y, z, values[top++], count, signs);
     } else if (op_is_pair(op->kind)) {
       --top;
       combine(op, values[top - 1], values[top], count);

@@ -102,6 +102,44 @@ static void query_equals_its_plain_twin_for_single_shapes(void** state) {
   }
 }
 
+/* Layers and boxes that are about as thin as the shell is deep: where nothing is deep enough, nothing is looked at for it. */
+static void query_equals_its_plain_twin_for_layers_as_thin_as_the_shell(void** state) {
+  (void)state;
+  static const uint32_t children[] = {1, 2};
+  random_stream r = {31};
+  uint64_t shells = 0, wholes = 0;
+  for (int round = 0; round < 60; ++round) {
+    scene s = {0};
+    make_field(&s, &r, 3 + (uint32_t)round % 6, random_below(&r, 2), random_below(&r, 3) ? 1 : 4);
+    random_leaf(&s.shapes, &r, SCREE_SHAPE_HEIGHTFIELD, 10);
+    scree_shape *shapes = s.shapes.shapes, layer = shapes[0], box = {.kind = SCREE_SHAPE_BOX, .transform = layer.transform};
+    double thin = 0.5 * (double)(layer.heightfield.above + layer.heightfield.below) * (double)layer.transform.scale;
+    for (int a = 0; a < 3; ++a) box.box.half[a] = (float)(a == 1 ? random_in(&r, 0.5, 1.5) : random_in(&r, 2, 8));
+    if (random_below(&r, 2)) box.transform = (scree_transform){.scale = 1}; /* else it is turned with the layer */
+    static const scree_shape_kind kinds[] = {SCREE_SHAPE_UNION, SCREE_SHAPE_INTERSECTION, SCREE_SHAPE_DIFFERENCE,
+                                             SCREE_SHAPE_SMOOTH_UNION};
+    shapes[0] = (scree_shape){.kind = kinds[round % 4], .group = {.children = children, .child_count = 2}};
+    if (shapes[0].kind == SCREE_SHAPE_SMOOTH_UNION) shapes[0].group.blend = 0.5f;
+    shapes[1] = round & 4 ? box : layer;
+    shapes[2] = round & 4 ? layer : box;
+    s.shapes.desc.shape_count = 3;
+    make_support(&s, &r);
+    scree_query_desc d = {.field = s.field, .support = s.support, .flags = SCREE_QUERY_SHELL};
+    d.shell_depth = (float)(thin * random_in(&r, 0.3, 1.3));
+    if (random_below(&r, 2)) d.threshold = (float)random_in(&r, 0.1, 0.9);
+    check_scene(&s, &d, 30);
+    found_rocks shell = run_query(&d, QUERY_KERNEL_BEST);
+    d.flags = 0;
+    found_rocks whole = run_query(&d, QUERY_KERNEL_BEST);
+    shells += shell.count;
+    wholes += whole.count;
+    found_free(&shell);
+    found_free(&whole);
+    destroy_scene(&s);
+  }
+  assert_true(shells > 1000 && wholes > shells);
+}
+
 static void query_equals_its_plain_twin_for_random_trees(void** state) {
   (void)state;
   random_stream r = {7};
@@ -610,6 +648,7 @@ static void world_hash_is_a_value_of_the_place_alone(void** state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(query_equals_its_plain_twin_for_single_shapes),
+      cmocka_unit_test(query_equals_its_plain_twin_for_layers_as_thin_as_the_shell),
       cmocka_unit_test(query_equals_its_plain_twin_for_random_trees),
       cmocka_unit_test(query_equals_its_plain_twin_where_many_rocks_are_in_doubt),
       cmocka_unit_test(query_equals_its_plain_twin_for_hundreds_of_shapes),
