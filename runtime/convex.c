@@ -11,15 +11,29 @@
 #define RAY_TOUCH2 1e-20
 #define RAY_ROUNDING2 1e-30
 
-bool scree_rt_convex_meet(const convex_hull* a, const convex_hull* b) {
+convex_measure scree_rt_convex_measure(const convex_hull* hull) {
 #ifdef SCREE_WIDE_KERNELS
-  if (__builtin_cpu_supports("avx2")) return scree_rt_convex_meet_avx2(a, b);
+  if (__builtin_cpu_supports("avx2")) return scree_rt_convex_measure_avx2(hull);
 #endif
-  return points_meet(a, b);
+  return measure_hull(hull);
+}
+
+bool scree_rt_convex_meet_measured(const convex_hull* a, const convex_measure* of_a, const convex_hull* b,
+                                   const convex_measure* of_b) {
+#ifdef SCREE_WIDE_KERNELS
+  if (__builtin_cpu_supports("avx2")) return scree_rt_convex_meet_measured_avx2(a, of_a, b, of_b);
+#endif
+  return points_meet(a, of_a, b, of_b);
+}
+
+bool scree_rt_convex_meet(const convex_hull* a, const convex_hull* b) {
+  const convex_measure of_a = scree_rt_convex_measure(a), of_b = scree_rt_convex_measure(b);
+  return scree_rt_convex_meet_measured(a, &of_a, b, &of_b);
 }
 
 double scree_rt_convex_distance(const convex_hull* a, const convex_hull* b) {
-  pair p = make_pair(a, b);
+  const convex_measure of_a = measure_hull(a), of_b = measure_hull(b);
+  pair p = make_pair(a, &of_a, b, &of_b);
   double distance = sqrt(points_distance2(&p, -1, p.apart)) - (a->radius + b->radius);
   return distance > sqrt(p.size2) * CONVEX_TOUCH ? distance : 0;
 }
@@ -36,7 +50,7 @@ bool scree_rt_convex_ray(const convex_hull* hull, const double start[3], const d
   extend(&s, subtract(place, point_of(hull, 0)), 0);
   double at = 0, size2 = 0;
   for (uint32_t i = 0; i < hull->count; ++i) size2 = larger(size2, dot(point_of(hull, i), point_of(hull, i)));
-  const float size = find_box(hull).size;
+  const float size = measure_hull(hull).size;
   const double touch = size2 * RAY_TOUCH2 + dot(origin, origin) * RAY_ROUNDING2;
   for (int step = 0; step < MAX_STEPS && s.distance2 > touch; ++step) {
     const uint32_t name = farthest(hull, s.closest, size);

@@ -27,10 +27,27 @@ typedef struct convex_hull {
   double radius; /* >= 0, in units of `at` */
 } convex_hull;
 
-/* Whether two hulls have a point in common. Stops at the first direction that separates them. */
+/* What is asked of a hull in every pair, in its own units. */
+typedef struct convex_measure {
+  float low[3], high[3]; /* the smallest box of its points */
+  float size;            /* no coordinate is larger */
+  double middle[3];      /* somewhere in the hull */
+} convex_measure;
+
+convex_measure scree_rt_convex_measure(const convex_hull* hull);
+
+/* Whether two hulls have a point in common. Stops at the first direction that separates them, and at the first tetrahedron that
+ * shows that they meet. */
 bool scree_rt_convex_meet(const convex_hull* a, const convex_hull* b);
+
+/* The same, where the measures of both are known. */
+bool scree_rt_convex_meet_measured(const convex_hull* a, const convex_measure* of_a, const convex_hull* b,
+                                   const convex_measure* of_b);
 #ifdef SCREE_WIDE_KERNELS
-bool scree_rt_convex_meet_avx2(const convex_hull* a, const convex_hull* b); /* the same, for machines that have AVX2 */
+/* The same two, for machines that have AVX2. */
+convex_measure scree_rt_convex_measure_avx2(const convex_hull* hull);
+bool scree_rt_convex_meet_measured_avx2(const convex_hull* a, const convex_measure* of_a, const convex_hull* b,
+                                        const convex_measure* of_b);
 #endif
 
 /* The distance of two hulls, 0 where they meet. Right to about 1e-9 of the pair's size. */

@@ -16,7 +16,7 @@
 #include "simd.h"
 
 /* Distances stop getting smaller after a handful of steps; the bound only keeps rounding from walking in a circle. */
-enum { MAX_STEPS = 64 };
+enum { MAX_STEPS = 64, MOST_PORTALS = 10 };
 
 #define PROGRESS 1e-12 /* a step that brings less of the squared distance than this is the last */
 #define FLAT2 1e-16    /* triangles and tetrahedra flatter than the root of this, for their size, are left to their borders */
@@ -98,6 +98,30 @@ static uint32_t farthest(const convex_hull* hull, vec along, float size) {
   }
   if ((names & (names - 1)) == 0 && names != 0) return (uint32_t)__builtin_ctzll(names);
   return farthest_of(hull, along, names != 0 ? names : UINT64_MAX >> (64 - count));
+}
+
+#define ABOUT 0x1p-19 /* times the size of a hull, and of the direction: the error of farthest_about */
+
+/* A point that lies about as far along a direction as any: as floats see it. */
+static uint32_t farthest_about(const convex_hull* hull, vec along, float size) {
+  const uint32_t count = hull->count;
+  const double bound = (double)size * (fabs(along.x) + fabs(along.y) + fabs(along.z));
+  if (count < SIMD_WIDTH || !(bound > 1e-25 && bound < 1e30)) return farthest_of(hull, along, UINT64_MAX >> (64 - count));
+  const vfloat ax = v_set((float)along.x), ay = v_set((float)along.y), az = v_set((float)along.z);
+  const float *x = hull->x, *y = hull->y, *z = hull->z;
+  vfloat most = v_set(-INFINITY);
+  vint first = v_set_int(0); /* of the eight or four points that each lane's best is of */
+  for (uint32_t i = 0; i < count; i += SIMD_WIDTH) {
+    const uint32_t k = i + SIMD_WIDTH <= count ? i : count - SIMD_WIDTH; /* the last ones may be looked at twice */
+    const vfloat v = v_load(x + k) * ax + v_load(y + k) * ay + v_load(z + k) * az;
+    const vint better = v > most;
+    most = v_max(v, most);
+    first = v_select_int(better, v_set_int((int32_t)k), first);
+  }
+  const uint32_t lane = (uint32_t)__builtin_ctz(v_bits(most >= v_set(v_most(most))));
+  int32_t firsts[SIMD_WIDTH];
+  memcpy(firsts, &first, sizeof firsts);
+  return (uint32_t)firsts[lane] + lane;
 }
 
 static inline vec point_of(const convex_hull* hull, uint32_t i) {
@@ -191,12 +215,6 @@ static bool has(const simplex* s, uint32_t name) {
 
 /* --- two hulls -------------------------------------------------------------------------------------------------------------- */
 
-/* The smallest box of a hull's points, in their own units. */
-typedef struct box {
-  float low[3], high[3];
-  float size; /* no coordinate is larger */
-} box;
-
 static inline void find_range(const float* values, uint32_t count, float* low, float* high) {
   if (count < SIMD_WIDTH) {
     *low = *high = values[0];
@@ -215,26 +233,32 @@ static inline void find_range(const float* values, uint32_t count, float* low, f
   *high = v_most(most);
 }
 
-static box find_box(const convex_hull* hull) {
+enum { MIDDLE_POINTS = 4 }; /* so many of a hull's points have it in their middle */
+
+static convex_measure measure_hull(const convex_hull* hull) {
   const float* const values[3] = {hull->x, hull->y, hull->z};
-  box b = {.size = 0};
+  convex_measure m = {.size = 0};
   for (int a = 0; a < 3; ++a) {
-    find_range(values[a], hull->count, &b.low[a], &b.high[a]);
-    const float most = -b.low[a] > b.high[a] ? -b.low[a] : b.high[a];
-    b.size = most > b.size ? most : b.size;
+    find_range(values[a], hull->count, &m.low[a], &m.high[a]);
+    const float most = -m.low[a] > m.high[a] ? -m.low[a] : m.high[a];
+    m.size = most > m.size ? most : m.size;
   }
-  return b;
+  for (int a = 0; a < 3; ++a) {
+    for (uint32_t k = 0; k < MIDDLE_POINTS; ++k) m.middle[a] += (double)values[a][k < hull->count ? k : 0];
+    m.middle[a] *= 1.0 / MIDDLE_POINTS;
+  }
+  return m;
 }
 
 typedef struct pair {
   const convex_hull *a, *b;
-  box box_a, box_b;
+  const convex_measure *of_a, *of_b;
   vec apart; /* a.at - b.at */
   double size2;
 } pair;
 
-static pair make_pair(const convex_hull* a, const convex_hull* b) {
-  return (pair){a, b, find_box(a), find_box(b), subtract(load(a->at), load(b->at)), 0};
+static pair make_pair(const convex_hull* a, const convex_measure* of_a, const convex_hull* b, const convex_measure* of_b) {
+  return (pair){a, b, of_a, of_b, subtract(load(a->at), load(b->at)), 0};
 }
 
 /* How far the boxes are apart along the axis where they are farthest; negative where they meet. `size`: no point of one is farther
@@ -244,8 +268,8 @@ static double boxes_apart(const pair* p, double* size, vec* between) {
   double most = -(double)INFINITY, middle[3];
   *size = 0;
   for (int i = 0; i < 3; ++i) {
-    const double al = (double)p->box_a.low[i] * sa, ah = (double)p->box_a.high[i] * sa;
-    const double bl = (double)p->box_b.low[i] * sb, bh = (double)p->box_b.high[i] * sb;
+    const double al = (double)p->of_a->low[i] * sa, ah = (double)p->of_a->high[i] * sa;
+    const double bl = (double)p->of_b->low[i] * sb, bh = (double)p->of_b->high[i] * sb;
     most = larger(most, larger(apart[i] + (al - bh), (bl - ah) - apart[i]));
     *size = larger(*size, fabs(apart[i]) + larger(ah - bl, bh - al));
     middle[i] = 2 * apart[i] + ((al + ah) - (bl + bh));
@@ -256,11 +280,17 @@ static double boxes_apart(const pair* p, double* size, vec* between) {
 
 /* The point of a - b that lies farthest against a direction. */
 static vec farthest_against(pair* p, vec v, uint32_t* name) {
-  uint32_t i = farthest(p->a, times(v, -1), p->box_a.size), j = farthest(p->b, v, p->box_b.size);
+  uint32_t i = farthest(p->a, times(v, -1), p->of_a->size), j = farthest(p->b, v, p->of_b->size);
   *name = i * CONVEX_MAX_POINTS + j;
   vec w = add(subtract(point_of(p->a, i), point_of(p->b, j)), p->apart);
   p->size2 = larger(p->size2, dot(w, w));
   return w;
+}
+
+/* One that lies about as far. */
+static vec about_against(const pair* p, vec v) {
+  const uint32_t i = farthest_about(p->a, times(v, -1), p->of_a->size), j = farthest_about(p->b, v, p->of_b->size);
+  return add(subtract(point_of(p->a, i), point_of(p->b, j)), p->apart);
 }
 
 /* The distance of the points' hulls, squared; 0 where they meet. `enough` >= 0: only whether the distance is more than this is
@@ -288,12 +318,77 @@ static double points_distance2(pair* p, double enough, vec v) {
   return distance2 <= touch ? 0 : distance2;
 }
 
-static inline bool points_meet(const convex_hull* a, const convex_hull* b) {
-  pair p = make_pair(a, b);
+/* --- whether they meet: what is plain comes first ------------------------------------------------------------------------------
+ */
+
+typedef enum verdict { OPEN, MEETING, APART } verdict;
+
+/* Whether all of a - b lies farther than `beyond` along v, judged by w, the point of it that lies farthest against v. */
+static inline bool lies_beyond(vec v, vec w, double beyond) {
+  const double along = dot(v, w);
+  return along > 0 && along * along > beyond * beyond * dot(v, v);
+}
+
+/* Looks for a tetrahedron in a - b that holds the origin: a portal of three points of the border, which the ray from a point inside
+ * through the origin passes, is moved outwards until the origin lies on its inner side, or until nothing more lies beyond. Says
+ * only what holds by a margin of rounding, so that it does not matter who is a and who is b; the rest is left to the distance.
+ * Based on: Snethen, XenoCollide: Complex Collision Made Simple, Game Programming Gems 7, 2008. */
+static verdict look_for_portal(const pair* p, double beyond) {
+  const convex_measure *ma = p->of_a, *mb = p->of_b;
+  const vec inside = add(subtract(times(load(ma->middle), p->a->scale), times(load(mb->middle), p->b->scale)), p->apart);
+  vec v1 = about_against(p, inside);
+  if (lies_beyond(inside, v1, beyond)) return APART;
+  vec n = cross(v1, inside), v2 = about_against(p, n), v3 = v1;
+  if (lies_beyond(n, v2, beyond)) return APART;
+  n = cross(subtract(v1, inside), subtract(v2, inside));
+  if (dot(n, inside) > 0) { /* the origin is on the other side */
+    const vec swap = v1;
+    v1 = v2;
+    v2 = swap;
+    n = times(n, -1);
+  }
+  bool found = false;
+  for (int step = 0; step < MOST_PORTALS; ++step) {
+    if (found) {
+      n = cross(subtract(v2, v1), subtract(v3, v1));
+      if (dot(n, v1) >= 0) {
+        const simplex s = {.at = {inside, v1, v2, v3}, .count = 4};
+        return holds_origin(&s) ? MEETING : OPEN;
+      }
+    }
+    const vec v4 = about_against(p, times(n, -1));
+    if (dot(n, v4) <= 0) return lies_beyond(times(n, -1), v4, beyond) ? APART : OPEN;
+    if (found) { /* through which of the three new portals does the ray pass? */
+      const vec side = cross(v4, inside);
+      if (dot(v1, side) > 0) {
+        *(dot(v2, side) > 0 ? &v1 : &v3) = v4;
+      } else {
+        *(dot(v3, side) > 0 ? &v2 : &v1) = v4;
+      }
+    } else if (dot(cross(v1, v4), inside) < 0) {
+      v2 = v4;
+      n = cross(subtract(v1, inside), subtract(v4, inside));
+    } else if (dot(cross(v4, v2), inside) < 0) {
+      v1 = v4;
+      n = cross(subtract(v4, inside), subtract(v2, inside));
+    } else {
+      v3 = v4;
+      found = true;
+    }
+  }
+  return OPEN;
+}
+
+static inline bool points_meet(const convex_hull* a, const convex_measure* of_a, const convex_hull* b, const convex_measure* of_b) {
+  pair p = make_pair(a, of_a, b, of_b);
   const double grown = a->radius + b->radius;
   double size;
   vec between;
-  if (boxes_apart(&p, &size, &between) > grown + size * 1e-6) return false;
+  const double apart = boxes_apart(&p, &size, &between), beyond = grown + size * 1e-6;
+  if (apart > beyond) return false;
+  const double about = ((double)of_a->size * a->scale + (double)of_b->size * b->scale) * ABOUT;
+  const verdict plain = look_for_portal(&p, beyond + about);
+  if (plain != OPEN) return plain == MEETING;
   return points_distance2(&p, grown, between) <= grown * grown;
 }
 

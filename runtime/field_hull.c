@@ -1,31 +1,33 @@
 /* Hulls of a field's assets, as the geometry wants them. */
 #include "field_tables.h"
+#include "pack_internal.h"
 
-static void split_points(const int16_t* xyz, uint32_t count, float* x, float* y, float* z) {
+static void split_points(const void* xyz, bool narrow, uint32_t count, float* x, float* y, float* z) {
 #ifdef SCREE_WIDE_KERNELS
   if (__builtin_cpu_supports("avx2")) {
-    scree_rt_field_split_points_avx2(xyz, count, x, y, z);
+    scree_rt_field_split_points_avx2(xyz, narrow, count, x, y, z);
     return;
   }
 #endif
-  for (uint32_t i = 0; i < count; ++i) {
-    x[i] = xyz[3 * i];
-    y[i] = xyz[3 * i + 1];
-    z[i] = xyz[3 * i + 2];
-  }
+  const int8_t* bytes = xyz;
+  const int16_t* words = xyz;
+  float* const to[3] = {x, y, z};
+  for (uint32_t i = 0; i < count; ++i)
+    for (uint32_t a = 0; a < 3; ++a) to[a][i] = narrow ? bytes[3 * i + a] : words[3 * i + a];
 }
 
 uint32_t scree_rt_field_hull(const scree_field* field, uint32_t asset, float* x, float* y, float* z) {
-  uint32_t count = 0;
-  if (field->pack != NULL) {
-    int16_t copy[FIELD_MAX_HULL][3];
-    /* Cannot fail: scree_field_create has looked at every hull. */
-    if (scree_pack_get_hull(field->pack, asset, copy[0], FIELD_MAX_HULL, &count) != SCREE_OK) return 0;
-    split_points(copy[0], count, x, y, z);
-  } else if (field->hull_first != NULL) {
-    count = field->hull_first[asset + 1] - field->hull_first[asset];
-    if (count > FIELD_MAX_HULL) count = FIELD_MAX_HULL;
-    split_points(field->hulls + (size_t)3 * field->hull_first[asset], count, x, y, z);
+  const scree_pack* pack = field->pack;
+  if (pack != NULL) { /* used in place; scree_field_create has looked at every hull */
+    const pack_asset* record = &pack->assets[asset];
+    const bool narrow = pack->narrow_hulls;
+    split_points(pack->hulls + (narrow ? 3 : 3 * sizeof(int16_t)) * (size_t)record->first_hull, narrow, record->hull_count, x, y,
+                 z);
+    return record->hull_count;
   }
+  if (field->hull_first == NULL) return 0;
+  uint32_t count = field->hull_first[asset + 1] - field->hull_first[asset];
+  if (count > FIELD_MAX_HULL) count = FIELD_MAX_HULL;
+  split_points(field->hulls + (size_t)3 * field->hull_first[asset], false, count, x, y, z);
   return count;
 }

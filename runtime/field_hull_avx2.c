@@ -8,7 +8,9 @@ static inline void store_floats(__m128i v, float* to) {
 }
 
 /* Eight points at a time: 24 numbers in three vectors, whose bytes each coordinate picks. */
-void scree_rt_field_split_points_avx2(const int16_t* xyz, uint32_t count, float* x, float* y, float* z) {
+void scree_rt_field_split_points_avx2(const void* xyz, bool narrow, uint32_t count, float* x, float* y, float* z) {
+  const int8_t* bytes = xyz;
+  const int16_t* words = xyz;
   static const int8_t picks[3][3][16] = {{{0, 1, 6, 7, 12, 13, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1},
                                           {-1, -1, -1, -1, -1, -1, 2, 3, 8, 9, 14, 15, -1, -1, -1, -1},
                                           {-1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, 4, 5, 10, 11}},
@@ -22,7 +24,9 @@ void scree_rt_field_split_points_avx2(const int16_t* xyz, uint32_t count, float*
   uint32_t i = 0;
   for (; i + 8 <= count; i += 8) {
     __m128i from[3];
-    for (int v = 0; v < 3; ++v) from[v] = _mm_loadu_si128((const __m128i*)(const void*)(xyz + 3 * i + 8 * v));
+    for (int v = 0; v < 3; ++v)
+      from[v] = narrow ? _mm_cvtepi8_epi16(_mm_loadl_epi64((const __m128i*)(const void*)(bytes + 3 * i + 8 * v)))
+                       : _mm_loadu_si128((const __m128i*)(const void*)(words + 3 * i + 8 * v));
     for (int a = 0; a < 3; ++a) {
       __m128i sum = _mm_setzero_si128();
       for (int v = 0; v < 3; ++v)
@@ -30,9 +34,6 @@ void scree_rt_field_split_points_avx2(const int16_t* xyz, uint32_t count, float*
       store_floats(sum, to[a] + i);
     }
   }
-  for (; i < count; ++i) {
-    x[i] = xyz[3 * i];
-    y[i] = xyz[3 * i + 1];
-    z[i] = xyz[3 * i + 2];
-  }
+  for (; i < count; ++i)
+    for (uint32_t a = 0; a < 3; ++a) to[a][i] = narrow ? bytes[3 * i + a] : words[3 * i + a];
 }

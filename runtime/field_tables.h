@@ -108,8 +108,8 @@ static inline uint32_t field_cell_inverse(uint32_t max_rocks_per_cell) {
  * centre. Returns how many. */
 uint32_t scree_rt_field_hull(const scree_field* field, uint32_t asset, float* x, float* y, float* z);
 #ifdef SCREE_WIDE_KERNELS
-/* x, y, z of `count` points from arrays of points, for machines that have AVX2. */
-void scree_rt_field_split_points_avx2(const int16_t* xyz, uint32_t count, float* x, float* y, float* z);
+/* x, y, z of `count` points from arrays of points, whose coordinates are int8 or int16, for machines that have AVX2. */
+void scree_rt_field_split_points_avx2(const void* xyz, bool narrow, uint32_t count, float* x, float* y, float* z);
 #endif
 
 /* The slot of a rock in the tile with this code, or UINT32_MAX when the tile has no such rock. */

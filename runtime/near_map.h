@@ -24,8 +24,11 @@ bool scree_rt_near_map_begin(near_map* map, scree_scratch* scratch, const double
 void scree_rt_near_map_add(near_map* map, const double centre[3], double radius, uint8_t kind);
 
 static inline int32_t near_map_cell(const near_map* map, int axis, float at) {
-  const float cell = (at - map->from[axis]) * map->inverse, last = (float)(map->size[axis] - 1);
-  return (int32_t)(cell > 0 ? (cell < last ? cell : last) : 0.0f);
+  const float last = (float)(map->size[axis] - 1);
+  float cell = (at - map->from[axis]) * map->inverse;
+  cell = cell > 0 ? cell : 0; /* one after the other: no branches */
+  cell = cell < last ? cell : last;
+  return (int32_t)cell;
 }
 
 /* The kinds of balls that a point may be in, which lies in the map's box but for rounding. It is in none of the others. */

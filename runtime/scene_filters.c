@@ -160,6 +160,7 @@ bool scree_rt_scene_passes_at(const scene_layer* layer, const double at[3], cons
     }
     share *= f->inverted ? 1 - part : part;
   }
+  if (!(share > 0 && share < 1)) return share >= 1; /* as every number from 0 up to 1 would say */
   /* Another seed than scree_world_hash has: what is thinned out says nothing about colours. */
   uint64_t hash = hash_corner(field->seed ^ UINT64_C(0xd1b54a32d192ed03), cube[0], cube[1], cube[2]);
   return (double)(hash_combine(hash, local) >> 11) * 0x1p-53 < share;

@@ -1,14 +1,15 @@
 /* The rule of overlaps: a rock is dropped if its hull meets the hull of a kept rock of an earlier layer.
  *
  * Where few rocks are asked about many, a map tells those that are far from all. For the others, the kept rocks lie sorted by cells
- * of space, layer by layer. Two balls round the centroids tell most pairs apart; hulls decide the rest. All places are relative to
- * the scene's base and computed from the integers of cells, so that a pair is judged alike in every question. */
+ * of space, layer by layer. Two balls round the centroids tell most pairs apart, first in floats; hulls decide the rest. All places
+ * are relative to the scene's base and computed from the integers of cells, so that a pair is judged alike in every question. */
 #include <math.h>
 #include <string.h>
 
 #include "convex.h"
 #include "near_map.h"
 #include "scene_layers.h"
+#include "simd.h"
 
 /* A kept rock that later layers may meet. */
 typedef struct kept_rock {
@@ -42,6 +43,9 @@ static bool ball_meets_box(const double centre[3], double radius, const double l
   return away2 <= radius * radius;
 }
 
+/* Larger cells have more rocks, smaller ones lie in more rows. */
+#define CELL_RADII 2.0
+
 /* Cells of space that hold the centroids of a layer's kept rocks. Places are told relative to their lowest corner, so that what
  * rounding does is small against them. */
 static void shape_cells(layer_rocks* rocks, double step, const double low[3], const double high[3]) {
@@ -53,10 +57,11 @@ static void shape_cells(layer_rocks* rocks, double step, const double low[3], co
   }
   rocks->cell_step = step;
   rocks->cell_inverse = 1 / step;
-  rocks->cell_slack = 0;
+  rocks->cell_slack = rocks->ball_slack = 0;
   for (int a = 0; a < 3; ++a) {
     rocks->cell_low[a] = low[a];
-    rocks->cell_slack += (high[a] - low[a] + step) * 1e-12; /* of rounding */
+    rocks->cell_slack += (high[a] - low[a] + step) * 1e-12; /* of rounding; of floats there is more */
+    rocks->ball_slack += (high[a] - low[a] + step) * 1e-6;
     rocks->cell_count[a] = (uint32_t)((high[a] - low[a]) / step) + 1;
   }
 }
@@ -65,6 +70,38 @@ static void shape_cells(layer_rocks* rocks, double step, const double low[3], co
 static uint32_t cell_along(const layer_rocks* rocks, int axis, double at) {
   const double cell = at * rocks->cell_inverse, last = (double)(rocks->cell_count[axis] - 1);
   return (uint32_t)(int32_t)(cell > 0 ? (cell < last ? cell : last) : 0);
+}
+
+/* The balls of a layer's kept rocks once more, for a first look: x, y, z relative to cell_low and the radius, each an array in the
+ * order of the rocks with SIMD_WIDTH more that meet nothing. */
+typedef struct ball_arrays {
+  float *x, *y, *z, *radius;
+} ball_arrays;
+
+static ball_arrays balls_of(const scene_question* q, const layer_rocks* rocks) {
+  float* first = (float*)q->scratch->buffers[SCRATCH_KEPT_BALLS].memory + rocks->ball_first;
+  const size_t length = rocks->kept_count + SIMD_WIDTH;
+  return (ball_arrays){first, first + length, first + 2 * length, first + 3 * length};
+}
+
+static bool fill_balls(scene_question* q, layer_rocks* rocks, const kept_rock* kept) {
+  const size_t length = 4 * ((size_t)rocks->kept_count + SIMD_WIDTH);
+  rocks->ball_first = q->ball_count;
+  if (scree_rt_scratch_extend(q->scratch, SCRATCH_KEPT_BALLS, q->ball_count, q->ball_count + length, sizeof(float)) == NULL)
+    return false;
+  q->ball_count += length;
+  const ball_arrays to = balls_of(q, rocks);
+  for (uint32_t i = 0; i < rocks->kept_count; ++i) {
+    to.x[i] = (float)(kept[i].centroid[0] - rocks->cell_low[0]);
+    to.y[i] = (float)(kept[i].centroid[1] - rocks->cell_low[1]);
+    to.z[i] = (float)(kept[i].centroid[2] - rocks->cell_low[2]);
+    to.radius[i] = (float)(kept[i].radius * (1 + 1e-5) + rocks->ball_slack);
+  }
+  for (uint32_t i = rocks->kept_count; i < rocks->kept_count + SIMD_WIDTH; ++i) {
+    to.x[i] = to.y[i] = to.z[i] = INFINITY;
+    to.radius[i] = 0;
+  }
+  return true;
 }
 
 /* Sorts the kept rocks of a layer by cells, as far as later layers can meet them: cell c, x fastest, has the rocks starts[c] ..
@@ -91,7 +128,7 @@ static scree_result fill_cells(scene_question* q, uint32_t index) {
   }
   rocks->kept_first = q->kept_count;
   rocks->kept_count = count;
-  shape_cells(rocks, layer->rock_radius, low, high);
+  shape_cells(rocks, CELL_RADII * layer->rock_radius, low, high);
   const uint32_t* sizes = rocks->cell_count;
   const uint32_t cells = sizes[0] * sizes[1] * sizes[2];
   uint32_t* starts =
@@ -113,13 +150,14 @@ static scree_result fill_cells(scene_question* q, uint32_t index) {
   for (uint32_t i = count; i-- > 0;) kept[--starts[unsorted[i].cell]] = unsorted[i];
   q->start_count += cells + 1;
   q->kept_count += count;
-  return SCREE_OK;
+  return fill_balls(q, rocks, kept) ? SCREE_OK : SCREE_ERROR_OUT_OF_MEMORY;
 }
 
 /* A hull, on the stack. */
 typedef struct hull_copy {
   float x[FIELD_MAX_HULL], y[FIELD_MAX_HULL], z[FIELD_MAX_HULL];
   convex_hull hull;
+  convex_measure measure; /* where the hull has points */
   bool made;
 } hull_copy;
 
@@ -128,10 +166,11 @@ static void make_hull(hull_copy* copy, const scene_layer* layer, uint32_t asset)
   copy->hull = (convex_hull){.x = copy->x, .y = copy->y, .z = copy->z};
   copy->hull.count = scree_rt_field_hull(field, asset, copy->x, copy->y, copy->z);
   copy->hull.scale = field->cell_size / field->lattice_per_cell;
+  if (copy->hull.count > 0) copy->measure = scree_rt_convex_measure(&copy->hull);
   copy->made = true;
 }
 
-enum { HULLS_AT_HAND = 8 };
+enum { HULLS_AT_HAND = 16 };
 
 /* A rock of a later layer that looks for one that it meets. */
 typedef struct seeker {
@@ -165,12 +204,12 @@ static bool hulls_meet(seeker* s, const scene_layer* other, const kept_rock* roc
   }
   if (s->hull.hull.count == 0 || theirs->hull.count == 0) return false;
   for (int a = 0; a < 3; ++a) theirs->hull.at[a] = rock->home[a] - s->rock.home[a];
-  return scree_rt_convex_meet(&s->hull.hull, &theirs->hull);
+  return scree_rt_convex_meet_measured(&s->hull.hull, &s->hull.measure, &theirs->hull, &theirs->measure);
 }
 
 enum {
   MOST_OPEN = 32,
-  FEW_ROCKS = 12 /* so few are looked at one by one */
+  FEW_ROCKS = 32 /* so few are looked at one by one */
 };
 
 /* Rocks whose balls meet the seeker's. The deepest is asked first, because one that meets is enough. */
@@ -188,17 +227,38 @@ static bool settle(open_pairs* open, seeker* s, const scene_layer* other) {
   return met;
 }
 
-/* Looks at `count` rocks; true when one of them is known to meet. */
-static bool look_at(open_pairs* open, seeker* s, const scene_layer* other, const kept_rock* rocks, uint32_t count) {
-  for (uint32_t i = 0; i < count; ++i) {
-    double depth;
-    if (!balls_meet(s, &rocks[i], &depth)) continue;
-    if (open->count == 0 || depth < open->depth) {
-      open->deepest = open->count;
-      open->depth = depth;
+/* Where and among which rocks of a layer a seeker looks: all in floats, a little too wide. */
+typedef struct first_look {
+  ball_arrays balls;
+  vfloat x, y, z, radius;
+} first_look;
+
+static first_look begin_look(const scene_question* q, const seeker* s, const layer_rocks* rocks) {
+  return (first_look){balls_of(q, rocks), v_set((float)(s->rock.centroid[0] - rocks->cell_low[0])),
+                      v_set((float)(s->rock.centroid[1] - rocks->cell_low[1])),
+                      v_set((float)(s->rock.centroid[2] - rocks->cell_low[2])),
+                      v_set((float)(s->rock.radius * (1 + 1e-5) + 1e-6 * (s->rock.radius + rocks->cell_step)))};
+}
+
+/* Looks at rocks from .. end - 1; true when one of them is known to meet. */
+static bool look_at(open_pairs* open, seeker* s, const scene_layer* other, const kept_rock* rocks, const first_look* look,
+                    uint32_t from, uint32_t end) {
+  for (uint32_t i = from; i < end; i += SIMD_WIDTH) {
+    const vfloat dx = v_load(look->balls.x + i) - look->x, dy = v_load(look->balls.y + i) - look->y,
+                 dz = v_load(look->balls.z + i) - look->z, apart = v_load(look->balls.radius + i) + look->radius;
+    uint32_t bits = v_bits(dx * dx + dy * dy + dz * dz <= apart * apart);
+    if (end - i < SIMD_WIDTH) bits &= (1u << (end - i)) - 1;
+    for (; bits != 0; bits &= bits - 1) {
+      const kept_rock* rock = &rocks[i + (uint32_t)__builtin_ctz(bits)];
+      double depth;
+      if (!balls_meet(s, rock, &depth)) continue;
+      if (open->count == 0 || depth < open->depth) {
+        open->deepest = open->count;
+        open->depth = depth;
+      }
+      open->rocks[open->count++] = rock;
+      if (open->count == MOST_OPEN && settle(open, s, other)) return true;
     }
-    open->rocks[open->count++] = &rocks[i];
-    if (open->count == MOST_OPEN && settle(open, s, other)) return true;
   }
   return false;
 }
@@ -216,7 +276,8 @@ static bool meets_layer(const scene_question* q, seeker* s, uint32_t index) {
   const uint32_t* starts = (const uint32_t*)q->scratch->buffers[SCRATCH_KEPT_STARTS].memory + rocks->start_first;
   open_pairs open;
   open.count = 0;
-  if (rocks->kept_count <= FEW_ROCKS) return look_at(&open, s, layer, kept, rocks->kept_count) || settle(&open, s, layer);
+  const first_look look = begin_look(q, s, rocks);
+  if (rocks->kept_count <= FEW_ROCKS) return look_at(&open, s, layer, kept, &look, 0, rocks->kept_count) || settle(&open, s, layer);
   const double reach = (s->rock.radius + layer->rock_radius) * 1.000001 + rocks->cell_slack;
   double at[3];
   uint32_t low[3], high[3];
@@ -233,7 +294,7 @@ static bool meets_layer(const scene_question* q, seeker* s, uint32_t index) {
       const double half = sqrt(left2);
       const uint32_t* row = starts + (size_t)(z * rocks->cell_count[1] + y) * rocks->cell_count[0];
       const uint32_t from = row[cell_along(rocks, 0, at[0] - half)], end = row[cell_along(rocks, 0, at[0] + half) + 1];
-      if (look_at(&open, s, layer, kept + from, end - from)) return true;
+      if (look_at(&open, s, layer, kept, &look, from, end)) return true;
     }
   }
   return settle(&open, s, layer);
@@ -277,14 +338,16 @@ static bool map_others(scene_question* q, uint32_t index, other_layers* others) 
   return true;
 }
 
+static bool meets_layer_near(const scene_question* q, seeker* s, uint32_t index) {
+  const layer_rocks* rocks = &q->layers[index];
+  return ball_meets_box(s->rock.centroid, s->rock.radius, rocks->tight_low, rocks->tight_high) && meets_layer(q, s, index);
+}
+
 static bool meets_others(const scene_question* q, seeker* s, const other_layers* others, uint8_t kinds) {
-  for (uint32_t i = 0; i < others->count; ++i) {
-    if ((kinds & kind_of(i)) == 0) continue;
-    const layer_rocks* theirs = &q->layers[others->layers[i]];
-    if ((theirs->kept_count <= FEW_ROCKS ||
-         ball_meets_box(s->rock.centroid, s->rock.radius, theirs->tight_low, theirs->tight_high)) &&
-        meets_layer(q, s, others->layers[i]))
-      return true;
+  for (uint32_t bits = kinds; bits != 0; bits &= bits - 1) {
+    const uint32_t kind = (uint32_t)__builtin_ctz(bits), end = kind < 7 ? kind + 1 : others->count;
+    for (uint32_t i = kind; i < end && i < others->count; ++i)
+      if (meets_layer_near(q, s, others->layers[i])) return true;
   }
   return false;
 }
@@ -315,7 +378,7 @@ static scree_result drop(scene_question* q, uint32_t index, other_layers* others
 }
 
 scree_result scree_rt_scene_keep(scene_question* q) {
-  q->start_count = q->kept_count = 0;
+  q->start_count = q->kept_count = q->ball_count = 0;
   uint64_t filled = 0;
   for (uint32_t k = 0; k < q->scene->layer_count; ++k) {
     layer_rocks* rocks = &q->layers[k];

@@ -62,15 +62,15 @@ scree_result scree_rt_scene_check_filters(const scree_layer* layer, uint32_t ind
 /* Rocks of one layer that a question needs. */
 typedef struct layer_rocks {
   bool needed, asked;
-  int64_t low[3], high[3];              /* cells in which it is needed */
-  int64_t asked_low[3], asked_high[3];  /* cells in which it is asked for */
-  uint64_t first, count;                /* its rocks in the arrays */
-  double tight_low[3], tight_high[3];   /* box of the balls round its rocks, relative to the scene's base */
-  double region_low[3], region_high[3]; /* union of the tight boxes of later layers that need it */
-  bool wanted;                          /* by a later layer */
-  uint64_t kept_first, start_first;     /* where later layers look it up, cell by cell; see scene_keep.c */
+  int64_t low[3], high[3];                      /* cells in which it is needed */
+  int64_t asked_low[3], asked_high[3];          /* cells in which it is asked for */
+  uint64_t first, count;                        /* its rocks in the arrays */
+  double tight_low[3], tight_high[3];           /* box of the balls round its rocks, relative to the scene's base */
+  double region_low[3], region_high[3];         /* union of the tight boxes of later layers that need it */
+  bool wanted;                                  /* by a later layer */
+  uint64_t kept_first, start_first, ball_first; /* where later layers look it up, cell by cell; see scene_keep.c */
   uint32_t kept_count, cell_count[3];
-  double cell_low[3], cell_step, cell_inverse, cell_slack;
+  double cell_low[3], cell_step, cell_inverse, cell_slack, ball_slack;
 } layer_rocks;
 
 /* One question on its way: which rocks of which layers exist, edits apart. */
@@ -85,7 +85,7 @@ typedef struct scene_question {
   scree_instance* instances; /* of all layers, in the scratch; rocks that are left out are moved out */
   scree_id* ids;
   uint64_t count;
-  uint64_t start_count, kept_count;
+  uint64_t start_count, kept_count, ball_count;
   cell_grid grid; /* of the layer that is asked for, where burial is looked at */
 } scene_question;
 

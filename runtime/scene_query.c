@@ -192,12 +192,21 @@ static scree_result find_rocks(scene_question* q, uint32_t index) {
 static void find_tight_box(scene_question* q, uint32_t index) {
   const scene_layer* layer = &q->scene->layers[index];
   layer_rocks* rocks = &q->layers[index];
-  int64_t low[3] = {INT64_MAX, INT64_MAX, INT64_MAX}, high[3] = {INT64_MIN, INT64_MIN, INT64_MIN}, cell[3];
-  for (uint64_t i = rocks->first; i < rocks->first + rocks->count; ++i) {
-    rock_cell(layer->given.field, &q->ids[i], cell);
-    for (int a = 0; a < 3; ++a) {
-      if (cell[a] < low[a]) low[a] = cell[a];
-      if (cell[a] > high[a]) high[a] = cell[a];
+  const scree_field* field = layer->given.field;
+  const uint64_t end = rocks->first + rocks->count;
+  int64_t low[3] = {INT64_MAX, INT64_MAX, INT64_MAX}, high[3] = {INT64_MIN, INT64_MIN, INT64_MIN};
+  for (uint64_t i = rocks->first; i < end;) { /* rocks come cube by cube */
+    const int32_t cube[3] = {q->ids[i].cube[0], q->ids[i].cube[1], q->ids[i].cube[2]};
+    uint32_t places = 0; /* where in the cube there are some: a byte for each axis, a bit for each cell along it */
+    for (; i < end && q->ids[i].cube[0] == cube[0] && q->ids[i].cube[1] == cube[1] && q->ids[i].cube[2] == cube[2]; ++i) {
+      const uint8_t* place = field->cell_places[field_cell_of(field, q->ids[i].local)];
+      places |= 1u << place[0] | 0x100u << place[1] | 0x10000u << place[2];
+    }
+    for (int a = 0; a < 3; ++a, places >>= 8) {
+      const int64_t first = (int64_t)cube[a] * field->cells_per_cube, from = first + __builtin_ctz(places),
+                    to = first + 31 - __builtin_clz(places & 0xff);
+      if (from < low[a]) low[a] = from;
+      if (to > high[a]) high[a] = to;
     }
   }
   cell_centre(layer, low, rocks->tight_low);
@@ -253,6 +262,16 @@ static void deliver(const scene_question* q, uint32_t index, rock_sink* sink) {
   bool all = memcmp(rocks->low, rocks->asked_low, sizeof rocks->low) == 0 &&
              memcmp(rocks->high, rocks->asked_high, sizeof rocks->high) == 0;
   bool edited = scree_rt_scene_edited(q, index, rocks->asked_low, rocks->asked_high);
+  if (all && !edited && sink->capacity - sink->count >= rocks->count && sink->count <= sink->capacity) {
+    for (uint64_t i = rocks->first; i < rocks->first + rocks->count; ++i) {
+      scree_rock* rock = &sink->rocks[sink->count++];
+      memcpy(rock->position, q->instances[i].position, sizeof rock->position);
+      rock->asset = q->instances[i].asset;
+      rock->id = q->ids[i];
+      rock->id.layer = layer->given.key;
+    }
+    return;
+  }
   for (uint64_t i = rocks->first; i < rocks->first + rocks->count; ++i) {
     scree_id id = q->ids[i];
     id.layer = layer->given.key;
