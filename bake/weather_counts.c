@@ -1,6 +1,5 @@
 #include "weather_counts.h"
 
-#include <math.h>
 #include <string.h>
 
 #include "lattice.h"
@@ -16,34 +15,62 @@ static void slab_of(const scree_weather* w, uint32_t slab, uint32_t* low, uint32
 
 /* --- noise ------------------------------------------------------------------------------------------------------------------- */
 
+/* One word of each row of a plane, column by column: rows above each other share the noise's lattice. */
+static void fill_mixture_plane(const scree_weather* w, uint32_t z) {
+  for (uint32_t word = 0; word < w->words; ++word) {
+    const uint32_t x = word * 64, count = w->size[0] - x < 64 ? w->size[0] - x : 64;
+    weather_noise_cache cache = {0};
+    double frequency = 0;
+    for (uint32_t y = 0; y < w->size[1]; ++y) {
+      const weather_layer* layer = &w->tables->layers[y];
+      const size_t at = weather_row(w, (int32_t)y, (int32_t)z) + word;
+      w->mixture[0][at] = w->mixture[1][at] = 0;
+      if (layer->bubble_count == 1 || count == 0) continue;
+      if (frequency != 1 / layer->mixture_period) cache.octaves[0].known = cache.octaves[1].known = false;
+      frequency = 1 / layer->mixture_period;
+      const weather_noise noise = {hash_combine(w->seed, NOISE_MIXTURE), frequency, frequency};
+      float values[64];
+      weather_noise_row(&noise, &cache, x, y, z, count, values);
+      for (uint32_t i = 0; i < count; ++i) {
+        uint32_t which = (uint32_t)((values[i] + 1) * 0.5f * (float)layer->bubble_count);
+        if (which >= layer->bubble_count) which = layer->bubble_count - 1u;
+        for (int bit = 0; bit < 2; ++bit) w->mixture[bit][at] |= (uint64_t)(which >> bit & 1) << i;
+      }
+    }
+  }
+}
+
 static void fill_mixture_slab(void* context, uint32_t slab, uint32_t worker) {
   (void)worker;
   const scree_weather* w = context;
   uint32_t low, high;
   slab_of(w, slab, &low, &high);
-  for (uint32_t z = low; z < high; ++z)
-    for (uint32_t y = 0; y < w->size[1]; ++y) {
-      const weather_layer* layer = &w->tables->layers[y];
-      const size_t row = weather_row(w, (int32_t)y, (int32_t)z);
-      for (int bit = 0; bit < 2; ++bit) memset(w->mixture[bit] + row, 0, w->words * sizeof(uint64_t));
-      if (layer->bubble_count == 1) continue;
-      const double frequency = 1 / layer->mixture_period;
-      const weather_noise noise = {hash_combine(w->seed, NOISE_MIXTURE), frequency, frequency};
-      for (uint32_t x = 0; x < w->size[0]; x += 64) {
-        float values[64];
-        const uint32_t count = w->size[0] - x < 64 ? w->size[0] - x : 64;
-        weather_noise_row(&noise, (int32_t)x, (int32_t)y, (int32_t)z, count, values);
-        for (uint32_t i = 0; i < count; ++i) {
-          uint32_t which = (uint32_t)((values[i] + 1) * 0.5f * (float)layer->bubble_count);
-          if (which >= layer->bubble_count) which = layer->bubble_count - 1u;
-          for (int bit = 0; bit < 2; ++bit) w->mixture[bit][row + x / 64] |= (uint64_t)(which >> bit & 1) << i;
-        }
-      }
-    }
+  for (uint32_t z = low; z < high; ++z) fill_mixture_plane(w, z);
 }
 
 void weather_fill_mixture(const scree_weather* w) {
   weather_parallel(w, w->bricks[2], fill_mixture_slab, (void*)(uintptr_t)w);
+}
+
+static void fill_noise_plane(const scree_weather* w, uint32_t z) {
+  for (uint32_t word = 0; word < w->words; ++word) {
+    const uint32_t x = word * 64, count = w->size[0] - x < 64 ? w->size[0] - x : 64;
+    weather_noise_cache cache = {0};
+    const scree_durability_point* before = NULL;
+    for (uint32_t y = 0; y < w->size[1]; ++y) {
+      const weather_layer* layer = &w->tables->layers[y];
+      const scree_durability_point* point = &w->tables->points[layer->point];
+      if (w->rock[weather_row(w, (int32_t)y, (int32_t)z) + word] == 0) continue;
+      float values[64] = {0};
+      if (point != before) cache.octaves[0].known = cache.octaves[1].known = false;
+      before = point;
+      const double frequency = 1 / point->noise_period;
+      const weather_noise noise = {hash_combine(w->seed, NOISE_DURABILITY), frequency, frequency * point->noise_squash};
+      if (layer->amplitude > 0) weather_noise_row(&noise, &cache, x, y, z, count, values);
+      int8_t* to = w->noise + weather_at(w, x, y, z);
+      for (uint32_t i = 0; i < count; ++i) to[i] = (int8_t)((int32_t)(values[i] * 127 + 127.5f) - 127); /* rounded */
+    }
+  }
 }
 
 static void fill_noise_slab(void* context, uint32_t slab, uint32_t worker) {
@@ -51,22 +78,7 @@ static void fill_noise_slab(void* context, uint32_t slab, uint32_t worker) {
   const scree_weather* w = context;
   uint32_t low, high;
   slab_of(w, slab, &low, &high);
-  for (uint32_t z = low; z < high; ++z)
-    for (uint32_t y = 0; y < w->size[1]; ++y) {
-      const weather_layer* layer = &w->tables->layers[y];
-      const scree_durability_point* point = &w->tables->points[layer->point];
-      const size_t row = weather_row(w, (int32_t)y, (int32_t)z);
-      const double frequency = 1 / point->noise_period;
-      const weather_noise noise = {hash_combine(w->seed, NOISE_DURABILITY), frequency, frequency * point->noise_squash};
-      for (uint32_t x = 0; x < w->size[0]; x += 64) {
-        if (w->rock[row + x / 64] == 0) continue;
-        float values[64] = {0};
-        const uint32_t count = w->size[0] - x < 64 ? w->size[0] - x : 64;
-        if (layer->amplitude > 0) weather_noise_row(&noise, (int32_t)x, (int32_t)y, (int32_t)z, count, values);
-        int8_t* to = w->noise + weather_at(w, x, y, z);
-        for (uint32_t i = 0; i < count; ++i) to[i] = (int8_t)floorf(values[i] * 127 + 0.5f);
-      }
-    }
+  for (uint32_t z = low; z < high; ++z) fill_noise_plane(w, z);
 }
 
 void weather_fill_noise(const scree_weather* w) {

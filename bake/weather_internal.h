@@ -71,7 +71,7 @@ struct scree_weather {
   size_t bit_count; /* words of an array of bits */
   uint64_t *rock, *colluvium, *solid;
   uint64_t* grains;     /* places whose rock becomes colluvium in this step; empty between steps */
-  uint64_t* scratch;    /* of rockfall */
+  uint64_t* scratch;    /* of the sweep and of rockfall */
   uint64_t* mixture[2]; /* the two bits of which bubble of a mixture; NULL where no layer has one */
   uint8_t* rows;        /* a byte a row of bits: something in it changed since `solid` was brought up to date */
 

@@ -30,6 +30,27 @@ static inline vfloat pick(const float table[8], vint index) {
 #endif
 }
 
+/* GCC 12 does not find these by itself. */
+static inline vint widen_counts(const uint16_t* from) {
+#ifdef __AVX2__
+  return (vint)_mm256_cvtepu16_epi32(_mm_loadu_si128((const __m128i*)(const void*)from));
+#else
+  vhalf counts;
+  memcpy(&counts, from, sizeof counts);
+  return __builtin_convertvector(counts, vint);
+#endif
+}
+
+static inline vfloat widen_noise(const int8_t* from) {
+#ifdef __AVX2__
+  return (vfloat)_mm256_cvtepi32_ps(_mm256_cvtepi8_epi32(_mm_loadl_epi64((const __m128i*)(const void*)from)));
+#else
+  vbyte noise;
+  memcpy(&noise, from, sizeof noise);
+  return __builtin_convertvector(noise, vfloat);
+#endif
+}
+
 /* How many of the six faces of each of 64 voxels show air, in binary: bit i of faces[0] + 2 faces[1] + 4 faces[2]. */
 static inline void add_faces(const uint64_t air[6], uint64_t faces[3]) {
   const uint64_t low = air[0] ^ air[1] ^ air[2], high = air[3] ^ air[4] ^ air[5];
@@ -40,37 +61,40 @@ static inline void add_faces(const uint64_t air[6], uint64_t faces[3]) {
   faces[2] = (a & b) | (c & (a | b));
 }
 
-/* Eight voxels of one row. */
-typedef struct octet {
+/* How many rows on the next voxels of a steep surface are fetched: too far for the processor to guess. */
+enum { AHEAD = 6 };
+
+/* One row of voxels and its layer. */
+typedef struct row_context {
   int32_t* life;
   const int8_t* noise;
   const uint16_t* counts;
-  uint32_t active, colluvium; /* a bit each */
-  vint faces;
-  vint first; /* of the rates of each one's bubble */
-} octet;
+  uint32_t* stamps;
+  const float *rates, *exposure;
+  vfloat graph, amplitude, colluvium;
+  vint firsts[4]; /* of the rates of each bubble of the layer */
+  bool mixed;
+} row_context;
 
-/* Returns the bits of those that died; *worn is set where a life changed. */
-static inline uint32_t wear(const octet* o, const weather_layer* layer, const weather_tables* tables, bool* worn) {
-  const vint active = lanes_of(o->active);
-  vhalf counts;
-  vbyte noise;
+/* Eight voxels from x on: bits of those that are active, colluvium, and how many faces they show. Returns the bits of those that
+ * died; *worn is set where a life changed. */
+static inline uint32_t wear(const row_context* row, uint32_t x, uint64_t active_bits, uint64_t colluvium, vint faces, vint first,
+                            bool* worn) {
+  const vint active = lanes_of(active_bits);
   vint life;
-  memcpy(&counts, o->counts, sizeof counts);
-  memcpy(&noise, o->noise, sizeof noise);
-  memcpy(&life, o->life, sizeof life);
+  memcpy(&life, row->life + x, sizeof life);
   /* What is not active may lie in the margin, where counts mean nothing. */
-  const vint index = (__builtin_convertvector(counts, vint) + o->first) & active;
-  const vfloat rate = v_gather(tables->rates, index) * pick(tables->exposure, o->faces);
-  const vfloat factor = v_set(1) + v_set(layer->amplitude) * (__builtin_convertvector(noise, vfloat) * v_set(1.0f / 127));
-  const vfloat rock = v_set(layer->graph) * v_max(factor, v_set(1.0f / 16));
-  const vfloat durability = v_select(lanes_of(o->colluvium), v_set(layer->colluvium), rock);
+  const vint index = (widen_counts(row->counts + x) + first) & active;
+  const vfloat rate = v_gather(row->rates, index) * pick(row->exposure, faces);
+  const vfloat factor = v_set(1) + row->amplitude * (widen_noise(row->noise + x) * v_set(1.0f / 127));
+  vfloat durability = row->graph * v_max(factor, v_set(1.0f / 16));
+  if ((colluvium & 255) != 0) durability = v_select(lanes_of(colluvium), row->colluvium, durability);
   const vint taken = v_truncate(v_min(rate / durability, v_set(WEATHER_FULL))) & active;
   life -= taken;
   const vint dead = (life <= v_set_int(0)) & active;
   life &= ~dead;
-  memcpy(o->life, &life, sizeof life);
-  *worn = v_bits(taken != v_set_int(0)) != 0;
+  memcpy(row->life + x, &life, sizeof life);
+  *worn = v_bits(taken > v_set_int(0)) != 0;
   return v_bits(dead);
 }
 
@@ -93,50 +117,76 @@ static void bury_dead(scree_weather* w, uint32_t word, uint32_t y, uint32_t z, u
 }
 
 /* The active voxels of one word. */
-static inline uint64_t wear_word(scree_weather* w, uint32_t word, uint32_t y, uint32_t z, uint64_t active,
+static inline uint64_t wear_word(const scree_weather* w, const row_context* row, size_t at, uint32_t x, uint64_t active,
                                  const uint64_t faces[3]) {
-  const weather_layer* layer = &w->tables->layers[y];
-  const size_t at = weather_row(w, (int32_t)y, (int32_t)z) + word;
   const uint64_t colluvium = w->colluvium[at];
-  const bool mixed = layer->bubble_count > 1;
-  const uint64_t low = mixed ? w->mixture[0][at] : 0, high = mixed ? w->mixture[1][at] : 0;
-  vint firsts[4];
-  for (uint32_t k = 0; k < 4; ++k) firsts[k] = v_set_int((int32_t)w->tables->bubbles[layer->bubbles[k]].rate_first);
   uint64_t dead = 0;
-  for (uint32_t from = 0; from < 64; from += LANES) {
-    octet o;
-    o.active = (uint32_t)(active >> from) & 255;
-    if (o.active == 0) continue;
-    const uint32_t x = word * 64 + from;
-    o.life = w->life + weather_at(w, x, y, z);
-    o.noise = w->noise + weather_at(w, x, y, z);
-    o.counts = w->counts + x + w->count_row * y + w->count_plane * z;
-    o.colluvium = (uint32_t)(colluvium >> from) & 255;
-    o.faces = (lanes_of(faces[0] >> from) & 1) | (lanes_of(faces[1] >> from) & 2) | (lanes_of(faces[2] >> from) & 4);
-    o.first = firsts[0];
-    if (mixed) {
-      const vint one = lanes_of(low >> from), two = lanes_of(high >> from);
-      o.first = v_select_int(two, v_select_int(one, firsts[3], firsts[2]), v_select_int(one, firsts[1], firsts[0]));
+  do {
+    const uint32_t from = (uint32_t)__builtin_ctzll(active) & ~7u;
+    const vint shown = (lanes_of(faces[0] >> from) & 1) | (lanes_of(faces[1] >> from) & 2) | (lanes_of(faces[2] >> from) & 4);
+    vint first = row->firsts[0];
+    if (row->mixed) {
+      const vint one = lanes_of(w->mixture[0][at] >> from), two = lanes_of(w->mixture[1][at] >> from);
+      first =
+          v_select_int(two, v_select_int(one, row->firsts[3], row->firsts[2]), v_select_int(one, row->firsts[1], row->firsts[0]));
     }
+    __builtin_prefetch(row->life + x + from + (size_t)AHEAD * w->size[0], 1);
+    __builtin_prefetch(row->noise + x + from + (size_t)AHEAD * w->size[0]);
+    __builtin_prefetch(row->counts + x + from + AHEAD * w->count_row);
     bool worn;
-    dead |= (uint64_t)wear(&o, layer, w->tables, &worn) << from;
-    if (worn) w->stamps[weather_brick(w, x, y, z)] = w->change;
-  }
+    dead |= (uint64_t)wear(row, x + from, active >> from, colluvium >> from, shown, first, &worn) << from;
+    if (worn) row->stamps[(x + from) / WEATHER_BRICK] = w->change;
+    active &= ~((uint64_t)255 << from);
+  } while (active != 0);
   return dead;
 }
 
+static inline row_context row_of(const scree_weather* w, uint32_t y, uint32_t z) {
+  const weather_tables* t = w->tables;
+  const weather_layer* layer = &t->layers[y];
+  row_context row = {.life = w->life + weather_at(w, 0, y, z),
+                     .noise = w->noise + weather_at(w, 0, y, z),
+                     .counts = w->counts + w->count_row * y + w->count_plane * z,
+                     .stamps = w->stamps + weather_brick(w, 0, y, z),
+                     .rates = t->rates,
+                     .exposure = t->exposure,
+                     .graph = v_set(layer->graph),
+                     .amplitude = v_set(layer->amplitude),
+                     .colluvium = v_set(layer->colluvium),
+                     .mixed = layer->bubble_count > 1};
+  for (uint32_t k = 0; k < 4; ++k) row.firsts[k] = v_set_int((int32_t)t->bubbles[layer->bubbles[k]].rate_first);
+  return row;
+}
+
+/* Marks the voxels of a plane that touch air, in `scratch`, word by word through its rows. */
+static void mark_active(const scree_weather* w, uint32_t z) {
+  const size_t first = weather_row(w, 0, (int32_t)z), count = (size_t)w->words * w->size[1];
+  const uint64_t *s = w->solid + first, *above = s + w->words, *below = s - w->words, *front = s + w->bit_plane,
+                 *back = s - w->bit_plane;
+  uint64_t* to = w->scratch + first;
+  for (size_t i = 0; i < count; ++i) {
+    const uint64_t left = s[i] << 1 | *(s + i - 1) >> 63, right = s[i] >> 1 | s[i + 1] << 63;
+    to[i] = s[i] & ~(left & right & above[i] & below[i] & front[i] & back[i]);
+  }
+}
+
 static void sweep(scree_weather* w, uint32_t z, uint64_t step_key, weather_tally* tally) {
+  mark_active(w, z);
   for (uint32_t y = 0; y < w->size[1]; ++y) {
-    const uint64_t* s = w->solid + weather_row(w, (int32_t)y, (int32_t)z);
-    for (uint32_t i = 0; i < w->words; ++i, ++s) {
-      if (*s == 0) continue;
+    const size_t first = weather_row(w, (int32_t)y, (int32_t)z);
+    uint64_t any = 0;
+    for (uint32_t i = 0; i < w->words; ++i) any |= w->scratch[first + i];
+    if (any == 0) continue;
+    const row_context row = row_of(w, y, z);
+    for (uint32_t i = 0; i < w->words; ++i) {
+      const uint64_t active = w->scratch[first + i];
+      if (active == 0) continue;
+      const uint64_t* s = w->solid + first + i;
       const uint64_t air[6] = {~(*s << 1 | *(s - 1) >> 63), ~(*s >> 1 | s[1] << 63), ~*(s - w->words), ~s[w->words],
                                ~*(s - w->bit_plane),        ~s[w->bit_plane]};
-      const uint64_t active = *s & (air[0] | air[1] | air[2] | air[3] | air[4] | air[5]);
-      if (active == 0) continue;
       uint64_t faces[3];
       add_faces(air, faces);
-      const uint64_t dead = wear_word(w, i, y, z, active, faces);
+      const uint64_t dead = wear_word(w, &row, first + i, i * 64, active, faces);
       if (dead != 0) bury_dead(w, i, y, z, dead, step_key, tally);
     }
   }
@@ -159,20 +209,45 @@ static inline vshort v_least(vshort a, vshort b) {
 }
 
 /* A bubble row of width 2 half + 1 slides over a run: how many voxels of the run each of length + 2 half places holds rises by one
- * a place, stays, falls by one a place. Lanes past the end add 0. */
-static inline void add_span(uint16_t* to, int32_t length, int32_t half, vshort sign) {
+ * a place, stays, falls by one a place. Lanes from `at` on; those past the end are 0. */
+static inline vcount span_lanes(int32_t length, int32_t half, int32_t at, vshort sign) {
   const vshort lanes = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15}, zero = {0};
   const int32_t total = length + 2 * half, width = 2 * half + 1;
   const vshort most = zero + (int16_t)(length < width ? length : width);
-  for (int32_t at = 0; at < total; at += SPAN) {
-    const vshort rise = lanes + (int16_t)(at + 1), fall = (int16_t)(total - at) - lanes;
-    vshort value = v_least(v_least(rise, fall), most);
-    vcount old;
-    value &= fall > zero;
-    memcpy(&old, to + at, sizeof old);
-    old += (vcount)((value ^ sign) - sign);
-    memcpy(to + at, &old, sizeof old);
+  const vshort rise = lanes + (int16_t)(at + 1), fall = (int16_t)(total - at) - lanes;
+  const vshort value = v_least(v_least(rise, fall), most) & (fall > zero);
+  return (vcount)((value ^ sign) - sign);
+}
+
+static inline void add_lanes(uint16_t* to, vcount value) {
+  vcount old;
+  memcpy(&old, to, sizeof old);
+  old += value;
+  memcpy(to, &old, sizeof old);
+}
+
+/* The spans of one run for every width of bubble rows, as far as two vectors hold them. */
+typedef struct span_set {
+  vcount lanes[WEATHER_MARGIN + 1][2];
+  int32_t length;
+  vshort sign;
+} span_set;
+
+static inline void make_spans(int32_t length, int32_t reach, vshort sign, span_set* out) {
+  out->length = length;
+  out->sign = sign;
+  for (int32_t half = 0; half <= reach; ++half) {
+    out->lanes[half][0] = span_lanes(length, half, 0, sign);
+    out->lanes[half][1] = span_lanes(length, half, SPAN, sign);
   }
+}
+
+static inline void add_span(uint16_t* to, const span_set* spans, int32_t half) {
+  const int32_t total = spans->length + 2 * half;
+  add_lanes(to - half, spans->lanes[half][0]);
+  if (total <= SPAN) return;
+  add_lanes(to - half + SPAN, spans->lanes[half][1]);
+  for (int32_t at = 2 * SPAN; at < total; at += SPAN) add_lanes(to - half + at, span_lanes(spans->length, half, at, spans->sign));
 }
 
 /* The same where neighbours in a row look through different bubbles: only those with bubble number `which` of the mixture. */
@@ -197,30 +272,29 @@ static void add_span_mixed(const scree_weather* w, uint32_t which, int32_t x, ui
 static void scatter(const scree_weather* w, uint32_t x, uint32_t length, int32_t y, int32_t z, int32_t z_low, int32_t z_high,
                     int32_t sign) {
   const weather_tables* t = w->tables;
-  const vshort signs = (vshort){0} + (int16_t)(sign < 0 ? -1 : 0);
   const int32_t first = z - t->reach > z_low ? z - t->reach : z_low, last = z + t->reach < z_high ? z + t->reach : z_high - 1;
   const int32_t low = y - t->reach > 0 ? y - t->reach : 0;
   const int32_t high = y + t->reach < (int32_t)w->size[1] ? y + t->reach : (int32_t)w->size[1] - 1;
   const bool alike = t->bubble_count == 1 && !t->mixed;
+  span_set spans;
+  make_spans((int32_t)length, t->reach, (vshort){0} + (int16_t)(sign < 0 ? -1 : 0), &spans);
   for (int32_t to_z = first; to_z <= last; ++to_z) {
-    uint16_t* plane = w->counts + w->count_plane * (size_t)to_z + x;
+    uint16_t* to = w->counts + w->count_plane * (size_t)to_z + w->count_row * (size_t)low + x;
     if (alike) {
-      const int8_t* half = t->bubbles[0].half[z - to_z + WEATHER_MARGIN];
-      for (int32_t to_y = low; to_y <= high; ++to_y) {
-        const int32_t h = half[y - to_y + WEATHER_MARGIN];
-        if (h >= 0) add_span(plane + w->count_row * (size_t)to_y - h, (int32_t)length, h, signs);
-      }
+      const int8_t* half = &t->bubbles[0].half[z - to_z + WEATHER_MARGIN][y - low + WEATHER_MARGIN];
+      for (int32_t to_y = low; to_y <= high; ++to_y, to += w->count_row, --half)
+        if (*half >= 0) add_span(to, &spans, *half);
       continue;
     }
-    for (int32_t to_y = low; to_y <= high; ++to_y) {
+    for (int32_t to_y = low; to_y <= high; ++to_y, to += w->count_row) {
       const weather_layer* layer = &t->layers[to_y];
       for (uint32_t k = 0; k < layer->bubble_count; ++k) {
-        const int32_t h = t->bubbles[layer->bubbles[k]].half[z - to_z + WEATHER_MARGIN][y - to_y + WEATHER_MARGIN];
-        if (h < 0) continue;
+        const int32_t half = t->bubbles[layer->bubbles[k]].half[z - to_z + WEATHER_MARGIN][y - to_y + WEATHER_MARGIN];
+        if (half < 0) continue;
         if (layer->bubble_count == 1)
-          add_span(plane + w->count_row * (size_t)to_y - h, (int32_t)length, h, signs);
+          add_span(to, &spans, half);
         else
-          add_span_mixed(w, k, (int32_t)x, length, to_y, to_z, h, sign);
+          add_span_mixed(w, k, (int32_t)x, length, to_y, to_z, half, sign);
       }
     }
   }

@@ -1,64 +1,73 @@
 #include "weather_noise.h"
 
-#include <math.h>
-
 #include "lattice.h"
 
-/* Along a row each corner's dot product is linear in x: at + slope * x. */
-typedef struct corner {
-  double at, slope;
-} corner;
+/* The gradient of a lattice point is one of (+-1, +-1, 0), (+-1, 0, +-1), (0, +-1, +-1). */
+static void make_gradient(uint64_t key, int32_t x, int32_t y, int32_t z, int8_t out[3]) {
+  const uint64_t hash = hash_corner(key, x, y, z);
+  const uint32_t none = (uint32_t)((hash >> 40) * 3 >> 24);
+  const int8_t a = (hash & 1) != 0 ? 1 : -1, b = (hash & 2) != 0 ? 1 : -1;
+  out[0] = none == 0 ? 0 : a;
+  out[1] = none == 1 ? 0 : none == 0 ? a : b;
+  out[2] = none == 2 ? 0 : b;
+}
 
-static inline double fade(double t) {
+static inline float fade(float t) {
   return t * t * t * (t * (t * 6 - 15) + 10);
 }
 
-/* The gradient of a lattice point is one of (+-1, +-1, 0), (+-1, 0, +-1), (0, +-1, +-1). */
-static corner gradient(uint64_t key, int32_t x, int32_t y, int32_t z, double dy, double dz) {
-  const uint64_t hash = hash_corner(key, x, y, z);
-  const uint32_t axis = (uint32_t)((hash >> 40) * 3 >> 24); /* that has no part in it */
-  const double a = (hash & 1) != 0 ? 1 : -1, b = (hash & 2) != 0 ? 1 : -1;
-  if (axis == 0) return (corner){a * dy + b * dz, 0};
-  if (axis == 1) return (corner){b * dz, a};
-  return (corner){b * dy, a};
-}
-
-static inline corner mix(corner a, corner b, double t) {
-  return (corner){a.at + (b.at - a.at) * t, a.slope + (b.slope - a.slope) * t};
-}
-
-/* The four corners of one side of a cell, mixed along y and z. */
-static corner side(uint64_t key, int32_t x, int32_t y, int32_t z, double fy, double fz, double ty, double tz) {
-  const corner low = mix(gradient(key, x, y, z, fy, fz), gradient(key, x, y + 1, z, fy - 1, fz), ty);
-  const corner high = mix(gradient(key, x, y, z + 1, fy, fz - 1), gradient(key, x, y + 1, z + 1, fy - 1, fz - 1), ty);
-  return mix(low, high, tz);
-}
-
-static void octave(uint64_t key, double fx, double fy, double fz, int32_t x, int32_t y, int32_t z, double height, uint32_t count,
-                   float* out) {
-  const double py = ((double)y + 0.5) * fy, pz = ((double)z + 0.5) * fz;
-  const double cell_y = floor(py), cell_z = floor(pz);
-  const double ty = fade(py - cell_y), tz = fade(pz - cell_z);
-  corner left = {0, 0}, right = {0, 0};
-  for (uint32_t i = 0; i < count;) {
-    const double cell = floor(((double)(x + (int64_t)i) + 0.5) * fx);
-    const int32_t c = (int32_t)cell;
-    left = side(key, c, (int32_t)cell_y, (int32_t)cell_z, py - cell_y, pz - cell_z, ty, tz);
-    right = side(key, c + 1, (int32_t)cell_y, (int32_t)cell_z, py - cell_y, pz - cell_z, ty, tz);
-    uint32_t end = i + 1; /* voxels of this cell */
-    while (end < count && floor(((double)(x + (int64_t)end) + 0.5) * fx) == cell) ++end;
-    for (; i < end; ++i) {
-      const double t = ((double)(x + (int64_t)i) + 0.5) * fx - cell, s = t - 1;
-      const double a = left.at + left.slope * t, b = right.at + right.slope * s;
-      out[i] += (float)(height * (a + (b - a) * fade(t)));
+static void add_octave(const weather_noise* noise, weather_noise_cache* cache, int octave, double finer, float height, uint32_t x,
+                       uint32_t y, uint32_t z, uint32_t count, float* out) {
+  const double fx = noise->frequency * finer, py = ((double)y + 0.5) * (noise->frequency_y * finer), pz = ((double)z + 0.5) * fx;
+  const int32_t first = (int32_t)(((double)x + 0.5) * fx), cell_y = (int32_t)py, cell_z = (int32_t)pz;
+  const int32_t points = (int32_t)(((double)(x + count - 1) + 0.5) * fx) - first + 2;
+  const bool same = cache->octaves[octave].known && cache->octaves[octave].x == first && cache->octaves[octave].y == cell_y &&
+                    cache->octaves[octave].z == cell_z && cache->octaves[octave].count >= points;
+  if (!same) {
+    const uint64_t key = octave == 0 ? noise->key : hash_combine(noise->key, 1);
+    for (int side = 0; side < 4; ++side)
+      for (int32_t i = 0; i < points; ++i) {
+        int8_t g[3];
+        make_gradient(key, first + i, cell_y + (side & 1), cell_z + (side >> 1), g);
+        for (int axis = 0; axis < 3; ++axis) cache->octaves[octave].gradients[axis][side][i] = g[axis];
+      }
+    cache->octaves[octave].known = true;
+    cache->octaves[octave].x = first;
+    cache->octaves[octave].y = cell_y;
+    cache->octaves[octave].z = cell_z;
+    cache->octaves[octave].count = points;
+  }
+  /* Along the row a lattice point's dot product is at + slope * x; mixed along y and z it still is. */
+  float at[WEATHER_NOISE_CELLS], slope[WEATHER_NOISE_CELLS];
+  const float y0 = (float)(py - cell_y), z0 = (float)(pz - cell_z), ty = fade(y0), tz = fade(z0);
+  const float share[4] = {(1 - ty) * (1 - tz), ty * (1 - tz), (1 - ty) * tz, ty * tz};
+  for (int32_t i = 0; i < points; ++i) at[i] = slope[i] = 0;
+  for (int side = 0; side < 4; ++side) {
+    const float dy = (y0 - (float)(side & 1)) * share[side], dz = (z0 - (float)(side >> 1)) * share[side];
+    const int8_t *gx = cache->octaves[octave].gradients[0][side], *gy = cache->octaves[octave].gradients[1][side],
+                 *gz = cache->octaves[octave].gradients[2][side];
+    for (int32_t i = 0; i < points; ++i) {
+      at[i] += (float)gy[i] * dy + (float)gz[i] * dz;
+      slope[i] += (float)gx[i] * share[side];
     }
+  }
+  for (uint32_t i = 0; i < count; ++i) {
+    const double p = ((double)(x + i) + 0.5) * fx;
+    const int32_t cell = (int32_t)p, c = cell - first;
+    const float t = (float)(p - cell), a = at[c] + slope[c] * t, b = at[c + 1] + slope[c + 1] * (t - 1);
+    out[i] += height * (a + (b - a) * fade(t));
   }
 }
 
-void weather_noise_row(const weather_noise* noise, int32_t x, int32_t y, int32_t z, uint32_t count, float* out) {
+void weather_noise_row(const weather_noise* noise, weather_noise_cache* cache, uint32_t x, uint32_t y, uint32_t z, uint32_t count,
+                       float* out) {
+  weather_noise_cache own;
+  if (cache == NULL) {
+    cache = &own;
+    own.octaves[0].known = own.octaves[1].known = false;
+  }
   for (uint32_t i = 0; i < count; ++i) out[i] = 0;
-  octave(noise->key, noise->frequency, noise->frequency_y, noise->frequency, x, y, z, 1.4, count, out);
-  octave(hash_combine(noise->key, 1), noise->frequency * 2.3, noise->frequency_y * 2.3, noise->frequency * 2.3, x, y, z, 0.7, count,
-         out);
+  add_octave(noise, cache, 0, 1, 1.4f, x, y, z, count, out);
+  add_octave(noise, cache, 1, 2.3, 0.7f, x, y, z, count, out);
   for (uint32_t i = 0; i < count; ++i) out[i] = out[i] < -1 ? -1 : out[i] > 1 ? 1 : out[i];
 }

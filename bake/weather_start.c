@@ -129,8 +129,8 @@ static void column_heights(const scree_weather* w, const scree_weather_start* s,
   for (uint32_t x = 0; x < nx; ++x) {
     if (high[x] == 0) continue;
     float warp[2];
-    weather_noise_row(&along_x, (int32_t)x, 0, (int32_t)z, 1, &warp[0]);
-    weather_noise_row(&along_z, (int32_t)x, 0, (int32_t)z, 1, &warp[1]);
+    weather_noise_row(&along_x, NULL, x, 0, z, 1, &warp[0]);
+    weather_noise_row(&along_z, NULL, x, 0, z, 1, &warp[1]);
     high[x] = y0 + joint_height(s, x, z, warp, y1 - y0);
   }
 }

@@ -32,7 +32,7 @@ static bool pair_make(pair* p, const scree_weather_start* start, const scree_wea
   p->voxels = malloc(p->count);
   assert_non_null(p->voxels);
   scree_weather_voxels(p->weather, p->voxels);
-  p->twin = weather_twin_create(start->size, p->voxels, start->seed);
+  p->twin = weather_twin_create(start->size, p->voxels, NULL, start->seed);
   assert_non_null(p->twin);
   weather_twin_rules(p->twin, rules);
   return true;

@@ -26,6 +26,7 @@ struct weather_twin {
   uint8_t* before; /* at the start of the step */
   int32_t* lives;
   int32_t* queue;
+  float* durability; /* of rock in each voxel; that of colluvium is found each time */
   scree_weather_rules rules;
   scree_durability_point points[256];
   scree_bubble_segment segments[64];
@@ -61,27 +62,7 @@ static void free_bubbles(weather_twin* t) {
   memset(t->bubbles, 0, sizeof t->bubbles);
 }
 
-void weather_twin_rules(weather_twin* t, const scree_weather_rules* rules) {
-  free_bubbles(t);
-  t->rules = *rules;
-  memcpy(t->points, rules->durability, rules->durability_count * sizeof *t->points);
-  memcpy(t->segments, rules->bubbles, rules->bubble_count * sizeof *t->segments);
-  for (uint32_t i = 0; i < rules->bubble_count; ++i)
-    for (uint32_t k = 0; k < t->segments[i].bubble_count; ++k) {
-      twin_bubble* b = &t->bubbles[i][k];
-      b->offsets = malloc(25 * 25 * 25 * sizeof *b->offsets);
-      if (b->offsets == NULL) abort();
-      for (int32_t z = -12; z <= 12; ++z)
-        for (int32_t y = -12; y <= 12; ++y)
-          for (int32_t x = -12; x <= 12; ++x)
-            if (in_bubble(&t->segments[i].bubbles[k], x, y, z)) {
-              b->offsets[b->count++] = (offset){x, y, z};
-              b->flat += y > 0;
-            }
-    }
-}
-
-weather_twin* weather_twin_create(const uint32_t size[3], const uint8_t* voxels, uint64_t seed) {
+weather_twin* weather_twin_create(const uint32_t size[3], const uint8_t* voxels, const int32_t* lives, uint64_t seed) {
   weather_twin* t = calloc(1, sizeof *t);
   if (t == NULL) return NULL;
   const size_t count = (size_t)size[0] * size[1] * size[2];
@@ -91,12 +72,13 @@ weather_twin* weather_twin_create(const uint32_t size[3], const uint8_t* voxels,
   t->before = malloc(count);
   t->lives = calloc(count, sizeof *t->lives);
   t->queue = calloc(count * 3, sizeof *t->queue);
-  if (t->voxels == NULL || t->before == NULL || t->lives == NULL || t->queue == NULL) {
+  t->durability = calloc(count, sizeof *t->durability);
+  if (t->voxels == NULL || t->before == NULL || t->lives == NULL || t->queue == NULL || t->durability == NULL) {
     weather_twin_destroy(t);
     return NULL;
   }
   memcpy(t->voxels, voxels, count);
-  for (size_t i = 0; i < count; ++i) t->lives[i] = voxels[i] != SCREE_VOXEL_AIR ? (int32_t)FULL : 0;
+  for (size_t i = 0; i < count; ++i) t->lives[i] = lives != NULL ? lives[i] : voxels[i] != SCREE_VOXEL_AIR ? (int32_t)FULL : 0;
   return t;
 }
 
@@ -107,6 +89,7 @@ void weather_twin_destroy(weather_twin* t) {
   free(t->before);
   free(t->lives);
   free(t->queue);
+  free(t->durability);
   free(t);
 }
 
@@ -138,10 +121,33 @@ static float durability_of(const weather_twin* t, int32_t x, int32_t y, int32_t 
   const double frequency = 1 / (p->noise_period != 0 ? p->noise_period : 16);
   const weather_noise noise = {hash_combine(t->seed, 1), frequency, frequency * (p->noise_squash != 0 ? p->noise_squash : 1)};
   float value;
-  weather_noise_row(&noise, x, y, z, 1, &value);
-  const float step = floorf(value * 127 + 0.5f);
+  weather_noise_row(&noise, NULL, (uint32_t)x, (uint32_t)y, (uint32_t)z, 1, &value);
+  const float step = floorf(value * 127 + 127.5f) - 127;
   const float factor = 1 + (float)p->noise_amplitude * (step * (1.0f / 127));
   return (float)graph * fmaxf(factor, 1.0f / 16);
+}
+
+void weather_twin_rules(weather_twin* t, const scree_weather_rules* rules) {
+  free_bubbles(t);
+  t->rules = *rules;
+  memcpy(t->points, rules->durability, rules->durability_count * sizeof *t->points);
+  memcpy(t->segments, rules->bubbles, rules->bubble_count * sizeof *t->segments);
+  for (uint32_t i = 0; i < rules->bubble_count; ++i)
+    for (uint32_t k = 0; k < t->segments[i].bubble_count; ++k) {
+      twin_bubble* b = &t->bubbles[i][k];
+      b->offsets = malloc(25 * 25 * 25 * sizeof *b->offsets);
+      if (b->offsets == NULL) abort();
+      for (int32_t z = -12; z <= 12; ++z)
+        for (int32_t y = -12; y <= 12; ++y)
+          for (int32_t x = -12; x <= 12; ++x)
+            if (in_bubble(&t->segments[i].bubbles[k], x, y, z)) {
+              b->offsets[b->count++] = (offset){x, y, z};
+              b->flat += y > 0;
+            }
+    }
+  for (int32_t z = 0; z < t->size[2]; ++z)
+    for (int32_t y = 0; y < t->size[1]; ++y)
+      for (int32_t x = 0; x < t->size[0]; ++x) t->durability[place(t, x, y, z)] = durability_of(t, x, y, z, false);
 }
 
 static const twin_bubble* bubble_of(const weather_twin* t, int32_t x, int32_t y, int32_t z) {
@@ -153,7 +159,7 @@ static const twin_bubble* bubble_of(const weather_twin* t, int32_t x, int32_t y,
   const double frequency = 1 / (s->noise_period != 0 ? s->noise_period : 16);
   const weather_noise noise = {hash_combine(t->seed, 2), frequency, frequency};
   float value;
-  weather_noise_row(&noise, x, y, z, 1, &value);
+  weather_noise_row(&noise, NULL, (uint32_t)x, (uint32_t)y, (uint32_t)z, 1, &value);
   uint32_t which = (uint32_t)((value + 1) * 0.5f * (float)s->bubble_count);
   return &t->bubbles[i][which < s->bubble_count ? which : s->bubble_count - 1];
 }
@@ -183,7 +189,8 @@ static int32_t taken(const weather_twin* t, int32_t x, int32_t y, int32_t z, int
   const double rate = f(&t->rules.spheroidal, c, flat, t->rules.steps_per_voxel) +
                       f(&t->rules.cavernous, 1 - c, 1 - flat, t->rules.steps_per_voxel);
   const bool colluvium = t->before[place(t, x, y, z)] == SCREE_VOXEL_COLLUVIUM;
-  const float share = (float)(rate * FULL) * (float)pow(faces, t->rules.exposure) / durability_of(t, x, y, z, colluvium);
+  const float durability = colluvium ? durability_of(t, x, y, z, true) : t->durability[place(t, x, y, z)];
+  const float share = (float)(rate * FULL) * (float)pow(faces, t->rules.exposure) / durability;
   return (int32_t)fminf(share, FULL);
 }
 

@@ -8,10 +8,10 @@
 
 typedef struct weather_twin weather_twin;
 
-/* Starts from voxels as scree_weather_voxels writes them. NULL when memory is short. */
-weather_twin* weather_twin_create(const uint32_t size[3], const uint8_t* voxels, uint64_t seed);
+/* Starts from voxels as scree_weather_voxels writes them. lives: of 2^30, NULL = whole. NULL when memory is short. */
+weather_twin* weather_twin_create(const uint32_t size[3], const uint8_t* voxels, const int32_t* lives, uint64_t seed);
 void weather_twin_destroy(weather_twin* twin);
-void weather_twin_rules(weather_twin* twin, const scree_weather_rules* rules); /* copied deeply enough for the next steps */
+void weather_twin_rules(weather_twin* twin, const scree_weather_rules* rules); /* copied */
 void weather_twin_step(weather_twin* twin);
 
 const uint8_t* weather_twin_voxels(const weather_twin* twin);
