@@ -4,6 +4,7 @@
 
 #include "allocator.h"
 #include "scene_layers.h"
+#include "scene_scatter.h"
 #include "support_text.h"
 
 static scree_result wrong(scree_result code, uint32_t layer, const char* what, scree_error* error) {
@@ -31,12 +32,19 @@ static bool keys_are_given(const scree_scene_desc* desc) {
 
 static scree_result check_layer(const scree_scene_desc* desc, uint32_t index, size_t* values, scree_error* error) {
   const scree_layer* layer = &desc->layers[index];
-  if (layer->field == NULL) return wrong(SCREE_ERROR_INVALID_ARGUMENT, index, "field is NULL", error);
+  if (layer->field == NULL && layer->scatter == NULL)
+    return wrong(SCREE_ERROR_INVALID_ARGUMENT, index, "field is NULL, and so is scatter", error);
+  if (layer->field != NULL && layer->scatter != NULL)
+    return wrong(SCREE_ERROR_INVALID_ARGUMENT, index, "it has a field and a scatter", error);
   if (layer->support == NULL) return wrong(SCREE_ERROR_INVALID_ARGUMENT, index, "support is NULL", error);
   if (!(layer->threshold >= 0 && layer->threshold < 1))
     return wrong_number(index, "threshold", (double)layer->threshold, "0 or more and less than 1", error);
   if (!(layer->shell_depth >= 0 && isfinite(layer->shell_depth)))
     return wrong_number(index, "shell_depth", (double)layer->shell_depth, "0 or more", error);
+  if (layer->scatter != NULL && (layer->threshold != 0 || layer->shell_depth != 0))
+    return wrong(SCREE_ERROR_INVALID_ARGUMENT, index, "a scatter has no threshold and no shell_depth", error);
+  if (layer->scatter != NULL && !scree_rt_scene_ground_ends(layer->support))
+    return wrong(SCREE_ERROR_RANGE, index, "the ground of a scatter has to end somewhere above", error);
   if (!(layer->density >= 0 && layer->density <= 1)) return wrong_number(index, "density", (double)layer->density, "0..1", error);
   for (uint32_t k = 0; k < index && keys_are_given(desc); ++k)
     if (desc->layers[k].key == layer->key) {
@@ -91,14 +99,19 @@ void scree_rt_scene_measure(scene_layer* layer, const double base[3]) {
     if ((double)support->ops[i].doubt > layer->doubt) layer->doubt = (double)support->ops[i].doubt;
   layer->density = layer->given.density > 0 ? (double)layer->given.density : 1;
   layer->filtered = layer->density < 1 || layer->given.filter_count > 0;
+  if (layer->given.scatter != NULL) scree_rt_scene_measure_scatter(layer);
 }
 
 static bool make_layer(scree_scene* scene, const scree_scene_desc* desc, uint32_t index) {
   scene_layer* layer = &scene->layers[index];
   layer->given = desc->layers[index];
   if (!keys_are_given(desc)) layer->given.key = (uint16_t)index;
+  layer->told = layer->given;
+  if (layer->given.scatter != NULL) layer->given.field = &layer->given.scatter->lattice;
   scree_rt_scene_measure(layer, scene->base);
-  return copy_filters(scene, layer);
+  const bool copied = copy_filters(scene, layer);
+  layer->told.filters = layer->given.filters;
+  return copied;
 }
 
 scree_result scree_scene_create(const scree_scene_desc* desc, const scree_allocator* given, scree_scene** out, scree_error* error) {
@@ -126,7 +139,8 @@ scree_result scree_scene_create(const scree_scene_desc* desc, const scree_alloca
   if (good) {
     scene->allocator = allocator;
     scene->layer_count = desc->layer_count;
-    memcpy(scene->base, desc->layers[0].field->origin, sizeof scene->base);
+    const scree_layer* first = &desc->layers[0];
+    memcpy(scene->base, first->scatter != NULL ? first->scatter->origin : first->field->origin, sizeof scene->base);
     scene->layers = scree_rt_allocate_zeroed(&allocator, desc->layer_count, sizeof *scene->layers);
     good = scene->layers != NULL;
   }
@@ -176,7 +190,11 @@ uint32_t scree_scene_layer_count(const scree_scene* scene) {
 }
 
 const scree_layer* scree_scene_layer(const scree_scene* scene, uint32_t index) {
-  return index < scene->layer_count ? &scene->layers[index].given : NULL;
+  return index < scene->layer_count ? &scene->layers[index].told : NULL;
+}
+
+const scree_layer* scree_rt_scene_layer(const scree_scene* scene, uint32_t index) {
+  return &scene->layers[index].given;
 }
 
 uint32_t scree_scene_layer_of(const scree_scene* scene, uint16_t key) {
@@ -187,5 +205,7 @@ uint32_t scree_scene_layer_of(const scree_scene* scene, uint16_t key) {
 
 uint32_t scree_scene_random(const scree_scene* scene, const scree_id* id) {
   uint32_t layer = scree_scene_layer_of(scene, id->layer);
-  return layer == UINT32_MAX ? 0 : scree_world_hash(scene->layers[layer].given.field, id);
+  if (layer == UINT32_MAX) return 0;
+  const scree_layer* given = &scene->layers[layer].given;
+  return given->scatter != NULL ? scree_scatter_random(given->scatter, id) : scree_world_hash(given->field, id);
 }

@@ -72,8 +72,7 @@ scree_result scree_rt_scene_check_filters(const scree_layer* layer, uint32_t ind
 }
 
 scree_result scree_rt_scene_check_mask(const scree_filter* mask, scree_error* error) {
-  if (mask->kind != SCREE_FILTER_MASK)
-    return wrong(SCREE_ERROR_INVALID_ARGUMENT, LONE_MASK, 0, "it has to be of kind MASK", error);
+  if (mask->kind != SCREE_FILTER_MASK) return wrong(SCREE_ERROR_INVALID_ARGUMENT, LONE_MASK, 0, "it has to be of kind MASK", error);
   return check_image(mask, LONE_MASK, 0, error);
 }
 

@@ -5,6 +5,9 @@
 
 #include <scree/scene.h>
 
+/* As scree_scene_layer, but the field of a scatter is its lattice (scatter_internal.h). */
+const scree_layer* scree_rt_scene_layer(const scree_scene* scene, uint32_t index);
+
 /* The rocks whose home cube is in [cube_low, cube_high) of layer `layer` (an index), after filters, the rule of overlaps and edits;
  * with `visible` without those that nobody can see. Positions are relative to `origin`. The order is fixed for given cubes.
  * rocks: in the scratch, until its next use. Returns SCREE_OK, OUT_OF_MEMORY or RANGE. */
@@ -33,8 +36,8 @@ void scree_rt_scene_cubes_box(const scree_scene* scene, uint32_t layer, uint32_t
  * support's bounds. */
 bool scree_rt_scene_may_hold(const scree_scene* scene, uint32_t layer, const double min[3], const double max[3]);
 
-/* How far, in metres along each axis, a rock can matter to others: a change of the supports in a box can change what is drawn of the
- * layer in that box grown by as much, and nowhere else (burial, radii of rocks). */
+/* How far, in metres along each axis, a rock can matter to others: a change of the supports in a box can change what is drawn of
+ * the layer in that box grown by as much, and nowhere else (burial, radii of rocks). */
 double scree_rt_scene_reach(const scree_scene* scene, uint32_t layer);
 
 #endif

@@ -8,16 +8,30 @@
 
 #include "convex.h"
 #include "near_map.h"
-#include "scene_layers.h"
+#include "scene_scatter.h"
 #include "simd.h"
 
 /* A kept rock that later layers may meet. */
 typedef struct kept_rock {
   double centroid[3], home[3]; /* relative to the scene's base */
   double radius;               /* of the ball round the centroid that holds it */
-  uint32_t asset;
-  uint32_t cell; /* of those of its layer */
+  uint32_t asset;              /* of a scatter, a place in the list of parts */
+  uint32_t cell;               /* of those of its layer */
 } kept_rock;
+
+/* A part of an instance of a scatter, of which each is kept, and met, by itself. */
+typedef struct kept_part {
+  uint32_t part, random; /* of all parts of the scatter; of the instance */
+} kept_part;
+
+static kept_rock place_part(const scene_question* q, const scene_layer* layer, uint64_t i, uint32_t part, kept_part* kept) {
+  const scree_scatter* s = layer->given.scatter;
+  const uint32_t packed = q->instances[i].asset;
+  kept_rock rock = {0};
+  rock.radius = scree_rt_scene_scatter_ball(layer, &q->ids[i], packed, part, q->scene->base, rock.home, rock.centroid);
+  *kept = (kept_part){s->models[scatter_model_of(packed)].first_part + part, scree_scatter_random(s, &q->ids[i])};
+  return rock;
+}
 
 static kept_rock place_rock(const scene_layer* layer, const scree_id* id, uint32_t asset) {
   const scree_field* field = layer->given.field;
@@ -104,28 +118,55 @@ static bool fill_balls(scene_question* q, layer_rocks* rocks, const kept_rock* k
   return true;
 }
 
+/* How many rocks are kept so far, and the box of their centroids. */
+typedef struct kept_box {
+  uint32_t count;
+  double low[3], high[3];
+} kept_box;
+
+/* Keeps a rock, or part, where later layers can meet it. */
+static inline bool add_kept(const layer_rocks* rocks, kept_box* box, kept_rock* kept, const kept_rock* rock) {
+  if (!ball_meets_box(rock->centroid, rock->radius, rocks->region_low, rocks->region_high)) return false;
+  for (int a = 0; a < 3; ++a) {
+    box->low[a] = box->count == 0 || rock->centroid[a] < box->low[a] ? rock->centroid[a] : box->low[a];
+    box->high[a] = box->count == 0 || rock->centroid[a] > box->high[a] ? rock->centroid[a] : box->high[a];
+  }
+  kept[box->count++] = *rock;
+  return true;
+}
+
 /* Sorts the kept rocks of a layer by cells, as far as later layers can meet them: cell c, x fastest, has the rocks starts[c] ..
  * starts[c + 1] - 1 of those from kept_first on. */
 static scree_result fill_cells(scene_question* q, uint32_t index) {
   const scene_layer* layer = &q->scene->layers[index];
   layer_rocks* rocks = &q->layers[index];
+  uint64_t most = rocks->count;
+  kept_part* list = NULL;
+  if (layer->given.scatter != NULL) {
+    for (uint64_t i = rocks->first; i < rocks->first + rocks->count; ++i) most += scatter_parts(layer, q->instances[i].asset) - 1;
+    list = scree_rt_scratch_extend(q->scratch, SCRATCH_KEPT_PARTS, q->part_count, q->part_count + most, sizeof *list);
+    if (list == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
+  }
   /* First all rocks behind one another, then sorted by cell into the first half. */
-  kept_rock* kept =
-      scree_rt_scratch_extend(q->scratch, SCRATCH_KEPT, q->kept_count, q->kept_count + 2 * rocks->count, sizeof *kept);
+  kept_rock* kept = scree_rt_scratch_extend(q->scratch, SCRATCH_KEPT, q->kept_count, q->kept_count + 2 * most, sizeof *kept);
   if (kept == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
   kept += q->kept_count;
-  kept_rock* unsorted = kept + rocks->count;
-  double low[3] = {0, 0, 0}, high[3] = {0, 0, 0};
-  uint32_t count = 0;
+  kept_rock* unsorted = kept + most;
+  kept_box box = {0};
   for (uint64_t i = rocks->first; i < rocks->first + rocks->count; ++i) {
-    const kept_rock rock = place_rock(layer, &q->ids[i], q->instances[i].asset);
-    if (!ball_meets_box(rock.centroid, rock.radius, rocks->region_low, rocks->region_high)) continue;
-    for (int a = 0; a < 3; ++a) {
-      low[a] = count == 0 || rock.centroid[a] < low[a] ? rock.centroid[a] : low[a];
-      high[a] = count == 0 || rock.centroid[a] > high[a] ? rock.centroid[a] : high[a];
+    if (list == NULL) {
+      const kept_rock rock = place_rock(layer, &q->ids[i], q->instances[i].asset);
+      add_kept(rocks, &box, unsorted, &rock);
+      continue;
     }
-    unsorted[count++] = rock;
+    for (uint32_t part = 0; part < scatter_parts(layer, q->instances[i].asset); ++part) {
+      kept_rock rock = place_part(q, layer, i, part, &list[q->part_count]);
+      rock.asset = q->part_count;
+      if (add_kept(rocks, &box, unsorted, &rock)) ++q->part_count;
+    }
   }
+  const uint32_t count = box.count;
+  const double *low = box.low, *high = box.high;
   rocks->kept_first = q->kept_count;
   rocks->kept_count = count;
   shape_cells(rocks, CELL_RADII * layer->rock_radius, low, high);
@@ -161,11 +202,18 @@ typedef struct hull_copy {
   bool made;
 } hull_copy;
 
-static void make_hull(hull_copy* copy, const scene_layer* layer, uint32_t asset) {
+/* part: of a scatter. */
+static void make_hull(hull_copy* copy, const scene_layer* layer, uint32_t asset, const kept_part* part) {
   const scree_field* field = layer->given.field;
   copy->hull = (convex_hull){.x = copy->x, .y = copy->y, .z = copy->z};
-  copy->hull.count = scree_rt_field_hull(field, asset, copy->x, copy->y, copy->z);
-  copy->hull.scale = field->cell_size / field->lattice_per_cell;
+  if (layer->given.scatter != NULL) {
+    float scale;
+    copy->hull.count = scree_rt_scatter_hull(layer->given.scatter, part->part, part->random, copy->x, copy->y, copy->z, &scale);
+    copy->hull.scale = (double)scale;
+  } else {
+    copy->hull.count = scree_rt_field_hull(field, asset, copy->x, copy->y, copy->z);
+    copy->hull.scale = field->cell_size / field->lattice_per_cell;
+  }
   if (copy->hull.count > 0) copy->measure = scree_rt_convex_measure(&copy->hull);
   copy->made = true;
 }
@@ -175,6 +223,8 @@ enum { HULLS_AT_HAND = 16 };
 /* A rock of a later layer that looks for one that it meets. */
 typedef struct seeker {
   const scene_layer* layer;
+  const kept_part* parts; /* kept ones of all scatters */
+  kept_part part;         /* its own, if it is of one */
   kept_rock rock;
   hull_copy hull;
   hull_copy others[HULLS_AT_HAND]; /* of rocks that were asked lately; neighbours often ask the same ones */
@@ -194,11 +244,11 @@ static bool balls_meet(const seeker* s, const kept_rock* rock, double* depth) {
 }
 
 static bool hulls_meet(seeker* s, const scene_layer* other, const kept_rock* rock) {
-  if (!s->hull.made) make_hull(&s->hull, s->layer, s->rock.asset);
+  if (!s->hull.made) make_hull(&s->hull, s->layer, s->rock.asset, &s->part);
   const uint32_t place = rock->asset % HULLS_AT_HAND;
   hull_copy* theirs = &s->others[place];
   if (s->other_layers[place] != other || s->other_assets[place] != rock->asset) {
-    make_hull(theirs, other, rock->asset);
+    make_hull(theirs, other, rock->asset, other->given.scatter != NULL ? &s->parts[rock->asset] : NULL);
     s->other_layers[place] = other;
     s->other_assets[place] = rock->asset;
   }
@@ -352,21 +402,34 @@ static bool meets_others(const scene_question* q, seeker* s, const other_layers*
   return false;
 }
 
+/* Whether rock i, or any part of an instance, meets one of the others. */
+static bool is_dropped(const scene_question* q, seeker* s, const other_layers* others, uint8_t kinds, uint64_t i) {
+  const uint32_t asset = q->instances[i].asset;
+  if (s->layer->given.scatter == NULL) {
+    s->rock = place_rock(s->layer, &q->ids[i], asset);
+    s->hull.made = false;
+    return meets_others(q, s, others, kinds);
+  }
+  for (uint32_t part = 0; part < scatter_parts(s->layer, asset); ++part) {
+    s->rock = place_part(q, s->layer, i, part, &s->part);
+    s->hull.made = false;
+    if (meets_others(q, s, others, kinds)) return true;
+  }
+  return false;
+}
+
 /* Moves out the rocks of a layer that meet one of the others. */
 static scree_result drop(scene_question* q, uint32_t index, other_layers* others) {
   layer_rocks* rocks = &q->layers[index];
   if (!map_others(q, index, others)) return SCREE_ERROR_OUT_OF_MEMORY;
   seeker s;
   s.layer = &q->scene->layers[index];
+  s.parts = q->scratch->buffers[SCRATCH_KEPT_PARTS].memory;
   memset(s.other_layers, 0, sizeof s.other_layers);
   uint64_t end = rocks->first + rocks->count, kept = rocks->first;
   for (uint64_t i = rocks->first; i < end; ++i) {
     const uint8_t kinds = others->mapped ? near_map_kinds(&others->map, q->instances[i].position) : UINT8_MAX;
-    if (kinds != 0) {
-      s.rock = place_rock(s.layer, &q->ids[i], q->instances[i].asset);
-      s.hull.made = false;
-      if (meets_others(q, &s, others, kinds)) continue;
-    }
+    if (kinds != 0 && is_dropped(q, &s, others, kinds, i)) continue;
     if (kept < i) {
       q->ids[kept] = q->ids[i];
       q->instances[kept] = q->instances[i];
@@ -379,6 +442,7 @@ static scree_result drop(scene_question* q, uint32_t index, other_layers* others
 
 scree_result scree_rt_scene_keep(scene_question* q) {
   q->start_count = q->kept_count = q->ball_count = 0;
+  q->part_count = 0;
   uint64_t filled = 0;
   for (uint32_t k = 0; k < q->scene->layer_count; ++k) {
     layer_rocks* rocks = &q->layers[k];

@@ -10,7 +10,8 @@
 enum { SCENE_MAX_LAYERS = 64, SCENE_MAX_FILTERS = 16 };
 
 typedef struct scene_layer {
-  scree_layer given;  /* as it was given, but for the key, which is the one in use, and filters, which are the scene's copies */
+  scree_layer told;   /* as it was given, but for the key, which is the one in use, and filters, which are the scene's copies */
+  scree_layer given;  /* the same, but the field of a scatter is its lattice */
   double offset[3];   /* the field's origin relative to the scene's base: that of the first layer's field */
   double reach;       /* metres: no part of a rock is farther from the centre of its home cell */
   double rock_radius; /* metres: no outer radius is larger */
@@ -78,15 +79,17 @@ typedef struct scene_question {
   const scree_scene* scene;
   scree_scratch* scratch;
   double origin[3];
-  const scree_edits* edits; /* or NULL */
-  bool visible;             /* only what can be seen is delivered; then one layer is asked for, not more */
-  uint64_t most;            /* rocks that may be looked at; more are SCREE_ERROR_CAPACITY */
+  const scree_edits* edits;        /* or NULL */
+  const double *box_min, *box_max; /* world box of the instances of scatters that are asked for; NULL: all of the cells */
+  bool visible;                    /* only what can be seen is delivered; then one layer is asked for, not more */
+  uint64_t most;                   /* rocks that may be looked at; more are SCREE_ERROR_CAPACITY */
   layer_rocks layers[SCENE_MAX_LAYERS];
   scree_instance* instances; /* of all layers, in the scratch; rocks that are left out are moved out */
   scree_id* ids;
   uint64_t count;
   uint64_t start_count, kept_count, ball_count;
-  cell_grid grid; /* of the layer that is asked for, where burial is looked at */
+  uint32_t part_count; /* kept parts of scatters */
+  cell_grid grid;      /* of the layer that is asked for, where burial is looked at */
 } scene_question;
 
 /* Whether anything of a layer can be hidden by its neighbours. */
@@ -102,6 +105,10 @@ void scree_rt_scene_measure(scene_layer* layer, const double base[3]);
 scree_result scree_rt_scene_answer(scene_question* q, const scree_scene* scene, const scree_edits* edits, uint32_t layer,
                                    const int64_t low[3], const int64_t high[3], const double origin[3], bool visible, uint64_t most,
                                    scree_scratch* scratch);
+
+/* scree_scene_fill; with `packed`, assets of scatters are as in questions (scene_scatter.h). */
+scree_result scree_rt_scene_fill(const scree_scene_query_desc* desc, bool packed, scree_scratch* scratch, scree_rock* rocks,
+                                 uint64_t capacity, uint64_t* count);
 
 /* Whether a layer can have rocks in a range of cells; true when in doubt. */
 bool scree_rt_scene_cells_may_hold(const scene_layer* layer, const int64_t low[3], const int64_t high[3]);

@@ -68,12 +68,14 @@ scree_result scree_scene_overlap(const scree_scene* scene, const scree_edits* ed
     const scree_result result = scree_rt_spatial_rocks(&q, k, world_low, world_high, &found, &found_count);
     if (result != SCREE_OK) return result;
     for (uint64_t i = 0; i < found_count; ++i) {
-      const spatial_place place = scree_rt_spatial_place(layer, &found[i], q.origin);
-      spatial_hull hull;
-      if (!ball_meets_box(place.centroid, place.radius, low, high)) continue;
-      if (!scree_rt_spatial_hull(layer, found[i].asset, place.home, &hull)) continue;
-      if (!scree_rt_convex_meet(&hull.hull, &own.hull)) continue;
-      if (!scree_rt_spatial_add(&q, &list, &found[i])) return SCREE_ERROR_OUT_OF_MEMORY;
+      bool met = false;
+      for (uint32_t part = 0; part < scree_rt_spatial_parts(layer, &found[i]) && !met; ++part) {
+        const spatial_place place = scree_rt_spatial_part(layer, &found[i], part, q.origin);
+        spatial_hull hull;
+        met = ball_meets_box(place.centroid, place.radius, low, high) &&
+              scree_rt_spatial_part_hull(layer, &found[i], part, place.home, &hull) && scree_rt_convex_meet(&hull.hull, &own.hull);
+      }
+      if (met && !scree_rt_spatial_add(&q, k, &list, &found[i])) return SCREE_ERROR_OUT_OF_MEMORY;
     }
   }
   return scree_rt_spatial_deliver(&list, rocks, capacity, count);
@@ -113,14 +115,14 @@ static cluster take_cluster(const double* points, uint32_t count, double by) {
   return c;
 }
 
-/* Whether a rock's hull comes within the radius of a point. */
-static bool is_near(const scene_layer* layer, const scree_rock* rock, spatial_hull* hull, bool* made, const double point[3],
-                    double radius) {
+/* Whether the hull of a rock's part comes within the radius of a point. */
+static bool is_near(const scene_layer* layer, const scree_rock* rock, uint32_t part, spatial_hull* hull, bool* made,
+                    const double point[3], double radius) {
   static const float zero[1] = {0};
-  const spatial_place place = scree_rt_spatial_place(layer, rock, point);
+  const spatial_place place = scree_rt_spatial_part(layer, rock, part, point);
   const double reach = place.radius + radius * (1 + 1e-6), d2 = distance2(place.centroid, (const double[3]){0, 0, 0});
   if (d2 > reach * reach) return false;
-  if (!*made && !scree_rt_spatial_hull(layer, rock->asset, place.home, hull)) return false;
+  if (!*made && !scree_rt_spatial_part_hull(layer, rock, part, place.home, hull)) return false;
   *made = true;
   for (int a = 0; a < 3; ++a) hull->hull.at[a] = place.home[a];
   const convex_hull ball = {zero, zero, zero, 1, 1, {0, 0, 0}, radius};
@@ -141,10 +143,14 @@ static scree_result add_near(const spatial_question* q, const cluster* c, double
     const scree_result result = scree_rt_spatial_rocks(q, k, low, high, &found, &count);
     if (result != SCREE_OK) return result;
     for (uint64_t i = 0; i < count; ++i) {
-      spatial_hull hull;
-      bool made = false, near = false;
-      for (uint32_t p = 0; p < c->count && !near; ++p) near = is_near(layer, &found[i], &hull, &made, c->points + 3 * p, radius);
-      if (near && !scree_rt_spatial_add(q, list, &found[i])) return SCREE_ERROR_OUT_OF_MEMORY;
+      bool near = false;
+      for (uint32_t part = 0; part < scree_rt_spatial_parts(layer, &found[i]) && !near; ++part) {
+        spatial_hull hull;
+        bool made = false;
+        for (uint32_t p = 0; p < c->count && !near; ++p)
+          near = is_near(layer, &found[i], part, &hull, &made, c->points + 3 * p, radius);
+      }
+      if (near && !scree_rt_spatial_add(q, k, list, &found[i])) return SCREE_ERROR_OUT_OF_MEMORY;
     }
   }
   return SCREE_OK;

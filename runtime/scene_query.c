@@ -14,6 +14,7 @@
 
 #include "query_kernel.h"
 #include "scene_layers.h"
+#include "scene_scatter.h"
 
 /* Cuts a range of cells to those whose cubes an int32 can name. */
 static void clamp_cells(const scree_field* field, int64_t low[3], int64_t high[3]) {
@@ -138,6 +139,7 @@ static bool may_skip_the_deep(const scene_question* q, uint32_t index) {
 static scree_result find_rocks(scene_question* q, uint32_t index) {
   const scene_layer* layer = &q->scene->layers[index];
   layer_rocks* rocks = &q->layers[index];
+  if (layer->given.scatter != NULL) return scree_rt_scene_find_scatter(q, index);
   cell_query query = {.field = layer->given.field,
                       .support = layer->given.support,
                       .threshold = layer->given.threshold,
@@ -225,7 +227,10 @@ scree_result scree_rt_scene_gather(scene_question* q) {
     scree_result result = find_rocks(q, k);
     if (result != SCREE_OK) return result;
     if (rocks->count == 0) continue;
-    if (k > 0 || rocks->wanted) find_tight_box(q, k);
+    if (q->scene->layers[k].given.scatter != NULL)
+      scree_rt_scene_scatter_box(q, k);
+    else if (k > 0 || rocks->wanted)
+      find_tight_box(q, k);
     for (uint32_t j = 0; j < k; ++j) {
       layer_rocks* earlier = &q->layers[j];
       int64_t low[3], high[3];
@@ -248,6 +253,7 @@ scree_result scree_rt_scene_gather(scene_question* q) {
 typedef struct rock_sink {
   scree_rock* rocks;
   uint64_t capacity, count;
+  bool packed; /* assets of scatters stay as they are in questions */
 } rock_sink;
 
 static bool is_in(const int64_t cell[3], const int64_t low[3], const int64_t high[3]) {
@@ -262,7 +268,8 @@ static void deliver(const scene_question* q, uint32_t index, rock_sink* sink) {
   bool all = memcmp(rocks->low, rocks->asked_low, sizeof rocks->low) == 0 &&
              memcmp(rocks->high, rocks->asked_high, sizeof rocks->high) == 0;
   bool edited = scree_rt_scene_edited(q, index, rocks->asked_low, rocks->asked_high);
-  if (all && !edited && sink->capacity - sink->count >= rocks->count && sink->count <= sink->capacity) {
+  const bool plain = all && !edited && layer->given.scatter == NULL;
+  if (plain && sink->capacity - sink->count >= rocks->count && sink->count <= sink->capacity) {
     for (uint64_t i = rocks->first; i < rocks->first + rocks->count; ++i) {
       scree_rock* rock = &sink->rocks[sink->count++];
       memcpy(rock->position, q->instances[i].position, sizeof rock->position);
@@ -284,10 +291,15 @@ static void deliver(const scene_question* q, uint32_t index, rock_sink* sink) {
       scree_edit edit = scree_edits_get(q->edits, &id);
       if (edit == SCREE_EDIT_REMOVE || (edit == SCREE_EDIT_HIDE && q->visible)) continue;
     }
+    uint32_t asset = q->instances[i].asset;
+    if (layer->given.scatter != NULL) {
+      if (!scree_rt_scene_scatter_asked(q, layer, &id, asset)) continue;
+      if (!sink->packed) asset = scatter_model_of(asset);
+    }
     if (sink->count < sink->capacity) {
       scree_rock* rock = &sink->rocks[sink->count];
       memcpy(rock->position, q->instances[i].position, sizeof rock->position);
-      rock->asset = q->instances[i].asset;
+      rock->asset = asset;
       rock->id = id;
     }
     ++sink->count;
@@ -314,17 +326,30 @@ static void begin(scene_question* q, const scree_scene* scene, const scree_edits
   q->scratch = scratch;
   memcpy(q->origin, origin, sizeof q->origin);
   q->most = UINT64_MAX;
+  q->box_min = q->box_max = NULL;
   memset(q->layers, 0, scene->layer_count * sizeof *q->layers);
+}
+
+/* The box of instances of scatters, where one is asked for. */
+static void set_box(scene_question* q, const scree_scene_query_desc* d) {
+  bool everywhere = true;
+  for (int a = 0; a < 3; ++a) everywhere = everywhere && d->min[a] == 0 && d->max[a] == 0;
+  q->box_min = everywhere ? NULL : d->min;
+  q->box_max = everywhere ? NULL : d->max;
+}
+
+static scree_result answer_layer(scene_question* q, uint32_t layer, const int64_t low[3], const int64_t high[3], uint64_t most) {
+  q->most = most;
+  scree_rt_scene_ask(q, layer, low, high);
+  scree_result result = answer(q);
+  return result == SCREE_OK && looks_at_burial(q, layer) ? scree_rt_scene_cull(q, layer) : result;
 }
 
 scree_result scree_rt_scene_answer(scene_question* q, const scree_scene* scene, const scree_edits* edits, uint32_t layer,
                                    const int64_t low[3], const int64_t high[3], const double origin[3], bool visible, uint64_t most,
                                    scree_scratch* scratch) {
   begin(q, scene, edits, origin, visible, scratch);
-  q->most = most;
-  scree_rt_scene_ask(q, layer, low, high);
-  scree_result result = answer(q);
-  return result == SCREE_OK && looks_at_burial(q, layer) ? scree_rt_scene_cull(q, layer) : result;
+  return answer_layer(q, layer, low, high, most);
 }
 
 static scree_result check(const scree_scene_query_desc* d, const scree_scratch* scratch) {
@@ -349,9 +374,10 @@ static scree_result find_range(const scree_scene_query_desc* d, const scene_laye
     double base = field->origin[a] - support->origin[a];
     low[a] = scree_rt_query_first_cell(bound_low[a] - base - (double)field->centroid_max[a], h) - 1;
     high[a] = scree_rt_query_first_cell(bound_high[a] - base - (double)field->centroid_min[a], h) + 2;
-    if (!everywhere) {
-      int64_t first = scree_rt_query_first_cell(d->min[a] - field->origin[a], h);
-      int64_t end = scree_rt_query_first_cell(d->max[a] - field->origin[a], h);
+    if (!everywhere) { /* a scatter is asked for what stands in the box, wherever the cubes' middles are */
+      const double widen = layer->given.scatter != NULL ? h * 0.500001 : 0;
+      int64_t first = scree_rt_query_first_cell(d->min[a] - field->origin[a] - widen, h);
+      int64_t end = scree_rt_query_first_cell(d->max[a] - field->origin[a] + widen, h);
       if (first > low[a]) low[a] = first;
       if (end < high[a]) high[a] = end;
     }
@@ -378,8 +404,9 @@ typedef struct layer_visit {
 
 static scree_result visit_part(const layer_visit* v, const int64_t low[3], const int64_t high[3], uint64_t most) {
   const scree_scene_query_desc* d = v->desc;
-  bool visible = (d->flags & SCREE_SCENE_VISIBLE) != 0;
-  scree_result result = scree_rt_scene_answer(v->q, d->scene, d->edits, v->layer, low, high, d->origin, visible, most, v->scratch);
+  begin(v->q, d->scene, d->edits, d->origin, (d->flags & SCREE_SCENE_VISIBLE) != 0, v->scratch);
+  set_box(v->q, d);
+  scree_result result = answer_layer(v->q, v->layer, low, high, most);
   if (result == SCREE_OK) deliver(v->q, v->layer, v->sink);
   return result;
 }
@@ -421,6 +448,7 @@ static scree_result find_all(const scree_scene_query_desc* d, scree_scratch* scr
   /* All layers at once, so that none is looked at twice, unless they are too many rocks or each has its own burial. */
   if ((d->flags & SCREE_SCENE_VISIBLE) == 0) {
     begin(&q, scene, d->edits, d->origin, false, scratch);
+    set_box(&q, d);
     q.most = MOST_AT_ONCE;
     for (uint64_t rest = wanted; rest != 0; rest &= rest - 1) {
       uint32_t k = (uint32_t)__builtin_ctzll(rest);
@@ -445,24 +473,29 @@ scree_result scree_scene_count(const scree_scene_query_desc* desc, scree_scratch
   *count = 0;
   scree_result result = check(desc, scratch);
   if (result != SCREE_OK) return result;
-  rock_sink sink = {NULL, 0, 0};
+  rock_sink sink = {NULL, 0, 0, false};
   result = find_all(desc, scratch, &sink);
   if (result == SCREE_OK) *count = sink.count;
   return result;
 }
 
-scree_result scree_scene_fill(const scree_scene_query_desc* desc, scree_scratch* scratch, scree_rock* rocks, uint64_t capacity,
-                              uint64_t* count) {
+scree_result scree_rt_scene_fill(const scree_scene_query_desc* desc, bool packed, scree_scratch* scratch, scree_rock* rocks,
+                                 uint64_t capacity, uint64_t* count) {
   if (count == NULL) return SCREE_ERROR_INVALID_ARGUMENT;
   *count = 0;
   if (rocks == NULL && capacity > 0) return SCREE_ERROR_INVALID_ARGUMENT;
   scree_result result = check(desc, scratch);
   if (result != SCREE_OK) return result;
-  rock_sink sink = {rocks, capacity, 0};
+  rock_sink sink = {rocks, capacity, 0, packed};
   result = find_all(desc, scratch, &sink);
   if (result != SCREE_OK) return result;
   *count = sink.count;
   return sink.count > capacity ? SCREE_ERROR_CAPACITY : SCREE_OK;
+}
+
+scree_result scree_scene_fill(const scree_scene_query_desc* desc, scree_scratch* scratch, scree_rock* rocks, uint64_t capacity,
+                              uint64_t* count) {
+  return scree_rt_scene_fill(desc, false, scratch, rocks, capacity, count);
 }
 
 scree_result scree_rt_scene_block(const scree_scene* scene, const scree_edits* edits, uint32_t layer, const int32_t cube_low[3],
@@ -480,7 +513,7 @@ scree_result scree_rt_scene_block(const scree_scene* scene, const scree_edits* e
   scree_result result = scree_rt_scene_answer(&q, scene, edits, layer, low, high, origin, visible, UINT64_MAX, scratch);
   if (result != SCREE_OK) return result;
   rock_sink sink = {scree_rt_scratch_reserve(scratch, SCRATCH_ROCKS, q.layers[layer].count + 1, sizeof(scree_rock)),
-                    q.layers[layer].count, 0};
+                    q.layers[layer].count, 0, false};
   if (sink.rocks == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
   deliver(&q, layer, &sink);
   *rocks = sink.rocks;
@@ -490,11 +523,25 @@ scree_result scree_rt_scene_block(const scree_scene* scene, const scree_edits* e
 
 /* --- one rock -------------------------------------------------------------------------------------------------------------- */
 
-static bool has_rock(const scene_question* q, uint32_t layer, const scree_id* id) {
+/* Its asset as it is in the question, or NULL. */
+static const uint32_t* find_asset(const scene_question* q, uint32_t layer, const scree_id* id) {
   const layer_rocks* rocks = &q->layers[layer];
   for (uint64_t i = rocks->first; i < rocks->first + rocks->count; ++i)
-    if (memcmp(q->ids[i].cube, id->cube, sizeof id->cube) == 0 && q->ids[i].local == id->local) return true;
-  return false;
+    if (memcmp(q->ids[i].cube, id->cube, sizeof id->cube) == 0 && q->ids[i].local == id->local) return &q->instances[i].asset;
+  return NULL;
+}
+
+/* A rock of a field, whether it exists or not. Returns false when there is no such rock in the tile. */
+static bool describe(const scree_field* field, const scree_id* id, const double origin[3], scree_rock* rock) {
+  uint32_t code = scree_field_tile_code(field, id->cube), slot = scree_rt_field_slot(field, code, id->local);
+  if (slot == UINT32_MAX) return false;
+  if (rock == NULL) return true;
+  int64_t cell[3];
+  rock_cell(field, id, cell);
+  for (int a = 0; a < 3; ++a) rock->position[a] = (float)((field->origin[a] - origin[a]) + field->cell_size * (double)cell[a]);
+  rock->asset = field_slots(field, &field->tiles[code]).asset[slot];
+  rock->id = *id;
+  return true;
 }
 
 scree_result scree_scene_find(const scree_scene* scene, const scree_edits* edits, scree_scratch* scratch, const scree_id* id,
@@ -505,28 +552,26 @@ scree_result scree_scene_find(const scree_scene* scene, const scree_edits* edits
   *state = SCREE_ROCK_UNKNOWN;
   uint32_t layer = scree_scene_layer_of(scene, id->layer);
   if (layer == UINT32_MAX) return SCREE_OK;
-  const scree_field* field = scene->layers[layer].given.field;
-  uint32_t code = scree_field_tile_code(field, id->cube), slot = scree_rt_field_slot(field, code, id->local);
-  if (slot == UINT32_MAX) return SCREE_OK;
+  const scene_layer* own = &scene->layers[layer];
+  const scree_field* field = own->given.field;
+  const bool scattered = own->given.scatter != NULL;
+  if (!(scattered ? scree_rt_scene_scatter_rock(own, id, NULL, origin, rock) : describe(field, id, origin, rock))) return SCREE_OK;
 
   int64_t low[3], high[3];
   rock_cell(field, id, low);
   for (int a = 0; a < 3; ++a) high[a] = low[a] + 1;
-  if (rock != NULL) {
-    for (int a = 0; a < 3; ++a) rock->position[a] = (float)((field->origin[a] - origin[a]) + field->cell_size * (double)low[a]);
-    rock->asset = field_slots(field, &field->tiles[code]).asset[slot];
-    rock->id = *id;
-  }
   *state = SCREE_ROCK_OUTSIDE;
   clamp_cells(field, low, high);
   scene_question q;
   begin(&q, scene, edits, origin, false, scratch);
   scree_rt_scene_ask(&q, layer, low, high);
   scree_result result = scree_rt_scene_gather(&q);
-  if (result != SCREE_OK || !has_rock(&q, layer, id)) return result;
+  const uint32_t* asset = result == SCREE_OK ? find_asset(&q, layer, id) : NULL;
+  if (asset == NULL) return result;
+  if (scattered) scree_rt_scene_scatter_rock(own, id, asset, origin, rock);
   *state = SCREE_ROCK_DROPPED;
   result = scree_rt_scene_keep(&q);
-  if (result != SCREE_OK || !has_rock(&q, layer, id)) return result;
+  if (result != SCREE_OK || find_asset(&q, layer, id) == NULL) return result;
   scree_edit edit = scree_edits_get(edits, id);
   *state = edit == SCREE_EDIT_REMOVE ? SCREE_ROCK_REMOVED : edit == SCREE_EDIT_HIDE ? SCREE_ROCK_HIDDEN : SCREE_ROCK_EXISTS;
   return SCREE_OK;

@@ -65,8 +65,8 @@ static double free_way(const ray_walk* r, const scene_layer* layer, double t) {
   return way;
 }
 
-static void test_rock(ray_walk* r, const scene_layer* layer, const scree_rock* rock, double first, double last) {
-  const spatial_place place = scree_rt_spatial_place(layer, rock, r->q.origin);
+static void test_part(ray_walk* r, const scene_layer* layer, const scree_rock* rock, uint32_t part, double first, double last) {
+  const spatial_place place = scree_rt_spatial_part(layer, rock, part, r->q.origin);
   const double* c = place.centroid;
   const double middle = c[0] * r->along[0] + c[1] * r->along[1] + c[2] * r->along[2];
   double away2 = 0;
@@ -80,12 +80,13 @@ static void test_rock(ray_walk* r, const scene_layer* layer, const scree_rock* r
   if (enter > last || enter > r->limit || middle + half < 0 || (enter < first && first > 0)) return;
   spatial_hull hull;
   double t, normal[3];
-  if (!scree_rt_spatial_hull(layer, rock->asset, place.home, &hull)) return;
+  if (!scree_rt_spatial_part_hull(layer, rock, part, place.home, &hull)) return;
   if (!scree_rt_convex_ray(&hull.hull, (const double[3]){0, 0, 0}, r->along, r->limit, &t, normal)) return;
   if (r->found && t == r->limit && scree_rt_edits_compare(&rock->id, &r->rock.id) > 0) return;
   r->found = true;
   r->limit = t;
   r->rock = *rock;
+  scree_rt_spatial_unpack(layer, &r->rock);
   memcpy(r->normal, normal, sizeof normal);
 }
 
@@ -100,14 +101,16 @@ static scree_result test_piece(ray_walk* r, uint32_t layer, double first, double
   const scree_rock* rocks;
   const scree_result result = scree_rt_spatial_rocks(&r->q, layer, low, high, &rocks, count);
   if (result != SCREE_OK) return result;
-  for (uint64_t i = 0; i < *count; ++i) test_rock(r, &r->q.scene->layers[layer], &rocks[i], first, end);
+  const scene_layer* own = &r->q.scene->layers[layer];
+  for (uint64_t i = 0; i < *count; ++i)
+    for (uint32_t part = 0; part < scree_rt_spatial_parts(own, &rocks[i]); ++part) test_part(r, own, &rocks[i], part, first, end);
   return SCREE_OK;
 }
 
 static scree_result walk_layer(ray_walk* r, uint32_t index) {
   const scene_layer* layer = &r->q.scene->layers[index];
   const scree_support* support = layer->given.support;
-  const double h = layer->given.field->cell_size, shortest = 2 * h, longest = 8 * h;
+  const double h = layer->given.field->cell_size * (layer->given.scatter != NULL ? 0.125 : 1), shortest = 2 * h, longest = 8 * h;
   double low[3], high[3], t = 0, end = r->limit;
   if (!scree_rt_support_level_bounds(support, layer->level_high > 0 ? layer->level_high : 0, low, high)) return SCREE_OK;
   for (int a = 0; a < 3; ++a) {

@@ -1,23 +1,26 @@
 /* Rocks of a box, their hulls, and lists of them. */
 #include "scene_spatial.h"
 
+#include "scene_scatter.h"
+
 #include <math.h>
 #include <string.h>
 
 scree_result scree_rt_spatial_rocks(const spatial_question* q, uint32_t layer, const double low[3], const double high[3],
                                     const scree_rock** rocks, uint64_t* count) {
   const scene_layer* own = &q->scene->layers[layer];
+  const double reach = own->given.scatter != NULL ? own->rock_radius : own->reach; /* from what the box is asked for */
   scree_scene_query_desc desc = {.scene = q->scene, .edits = q->edits, .layers = UINT64_C(1) << layer};
   for (int a = 0; a < 3; ++a) {
-    const double slack = own->reach * 4e-6 + (fabs(low[a]) + fabs(high[a])) * 1e-14;
+    const double slack = reach * 4e-6 + (fabs(low[a]) + fabs(high[a])) * 1e-14;
     desc.origin[a] = q->origin[a];
-    desc.min[a] = low[a] - own->reach - slack;
-    desc.max[a] = high[a] + own->reach + slack;
+    desc.min[a] = low[a] - reach - slack;
+    desc.max[a] = high[a] + reach + slack;
   }
   for (;;) {
     const uint64_t room = scratch_room(q->scratch, SCRATCH_SPATIAL_0, sizeof **rocks);
     scree_rock* to = q->scratch->buffers[SCRATCH_SPATIAL_0].memory;
-    const scree_result result = scree_scene_fill(&desc, q->scratch, to, room, count);
+    const scree_result result = scree_rt_scene_fill(&desc, true, q->scratch, to, room, count);
     *rocks = to;
     if (result != SCREE_ERROR_CAPACITY) return result;
     /* Also what fill says of a box with more rocks than it may look at: then it has no count. */
@@ -52,13 +55,38 @@ bool scree_rt_spatial_hull(const scene_layer* layer, uint32_t asset, const doubl
   return out->hull.count > 0;
 }
 
-bool scree_rt_spatial_add(const spatial_question* q, spatial_list* list, const scree_rock* rock) {
+uint32_t scree_rt_spatial_parts(const scene_layer* layer, const scree_rock* rock) {
+  return layer->given.scatter != NULL ? scatter_parts(layer, rock->asset) : 1;
+}
+
+spatial_place scree_rt_spatial_part(const scene_layer* layer, const scree_rock* rock, uint32_t part, const double from[3]) {
+  if (layer->given.scatter == NULL) return scree_rt_spatial_place(layer, rock, from);
+  spatial_place place;
+  const double radius = scree_rt_scene_scatter_ball(layer, &rock->id, rock->asset, part, from, place.home, place.centroid);
+  place.radius = radius * (1 + 1e-6) + (fabs(place.home[0]) + fabs(place.home[1]) + fabs(place.home[2])) * 1e-14;
+  return place;
+}
+
+bool scree_rt_spatial_part_hull(const scene_layer* layer, const scree_rock* rock, uint32_t part, const double at[3],
+                                spatial_hull* out) {
+  if (layer->given.scatter == NULL) return scree_rt_spatial_hull(layer, rock->asset, at, out);
+  out->hull = scree_rt_scene_scatter_hull(layer, &rock->id, rock->asset, part, out->x, out->y, out->z);
+  memcpy(out->hull.at, at, sizeof out->hull.at);
+  return true;
+}
+
+void scree_rt_spatial_unpack(const scene_layer* layer, scree_rock* rock) {
+  if (layer->given.scatter != NULL) rock->asset = scatter_model_of(rock->asset);
+}
+
+bool scree_rt_spatial_add(const spatial_question* q, uint32_t layer, spatial_list* list, const scree_rock* rock) {
   if (list->rocks == NULL || list->count == scratch_room(q->scratch, SCRATCH_SPATIAL_1, sizeof *rock)) {
     const size_t wanted = (size_t)list->count + list->count / 2 + 64;
     list->rocks = scree_rt_scratch_extend(q->scratch, SCRATCH_SPATIAL_1, (size_t)list->count, wanted, sizeof *rock);
     if (list->rocks == NULL) return false;
   }
-  list->rocks[list->count++] = *rock;
+  list->rocks[list->count] = *rock;
+  scree_rt_spatial_unpack(&q->scene->layers[layer], &list->rocks[list->count++]);
   return true;
 }
 
@@ -108,6 +136,8 @@ scree_result scree_scene_hull(const scree_scene* scene, uint32_t layer, uint32_t
   if (scene == NULL || count == NULL || layer >= scene->layer_count || asset >= scene->layers[layer].given.field->asset_count ||
       (xyz == NULL && capacity > 0))
     return SCREE_ERROR_INVALID_ARGUMENT;
+  const scree_scatter* scatter = scene->layers[layer].given.scatter;
+  if (scatter != NULL) return scree_scatter_part(scatter, asset, 0, xyz, capacity, count);
   spatial_hull hull;
   scree_rt_spatial_hull(&scene->layers[layer], asset, (const double[3]){0, 0, 0}, &hull);
   *count = hull.hull.count;

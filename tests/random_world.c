@@ -131,13 +131,65 @@ void make_mixed_world(world* w, random_stream* r, uint32_t layers) {
   make_scene(w, r);
 }
 
+/* A slab, tilted and rolling, with balls on it. */
+static void roll(random_support* s, random_stream* r) {
+  static const uint32_t children[] = {2, 3, 4};
+  s->shapes[0] =
+      (scree_shape){.kind = SCREE_SHAPE_NOISE,
+                    .noise = {.child = 1, .amplitude = (float)random_in(r, 0.05, 0.6), .wavelength = (float)random_in(r, 3, 9)}};
+  s->shapes[1] = (scree_shape){.kind = SCREE_SHAPE_UNION, .group = {children, 3, 0}};
+  s->shapes[2] = (scree_shape){.kind = SCREE_SHAPE_BOX, .box = {{8, 1, 8}, 0}};
+  const double tilt = random_in(r, -0.2, 0.2);
+  s->shapes[2].transform.rotation[0] = (float)tilt;
+  s->shapes[2].transform.rotation[3] = (float)sqrt(1 - tilt * tilt);
+  for (int i = 3; i < 5; ++i) {
+    s->shapes[i] = (scree_shape){.kind = SCREE_SHAPE_SPHERE, .sphere = {(float)random_in(r, 0.5, 4)}};
+    for (int a = 0; a < 3; ++a) s->shapes[i].transform.translation[a] = (float)random_in(r, -4, 4);
+  }
+  s->shapes[1].transform.rotation[1] = s->shapes[1].transform.rotation[3] = 0.70710678f;
+  s->desc = (scree_support_desc){.shapes = s->shapes, .shape_count = 5};
+}
+
+void make_scatter_world(world* w, random_stream* r, uint32_t layers) {
+  begin_world(w, r, layers);
+  const uint32_t first = random_below(r, 2);
+  for (uint32_t k = 0; k < layers; ++k) {
+    const bool scattered = random_below(r, 4) > 0 ? (k + first) % 2 == 0 : random_below(r, 2) == 0;
+    if (scattered) {
+      w->scatters[k] = malloc(sizeof *w->scatters[k]);
+      assert_non_null(w->scatters[k]);
+      double origin[3];
+      for (int a = 0; a < 3; ++a) origin[a] = w->middle[a] + random_in(r, -50, 50);
+      make_random_scatter(w->scatters[k], r, random_in(r, 0.8, 2.5), origin);
+      w->scatter_of[k] = &w->scatters[k]->desc;
+    } else {
+      w->sources[k] = synthetic_create(3 + random_below(r, 4), 1, random_below(r, 3) ? 1 : 2, random_bits(r));
+      synthetic_add_hulls(&w->sources[k], random_bits(r), 1 + random_below(r, 3), random_below(r, 3) ? 4 : 0);
+      w->source_of[k] = &w->sources[k].source;
+      make_field(w, r, k, 0.5, 1.5);
+    }
+    if (random_below(r, 4) > 0) {
+      roll(w->shapes[k], r);
+    } else {
+      random_tree(w->shapes[k], r, 1 + random_below(r, 4), 7);
+    }
+    make_support(w, r, k, 2);
+    if (scattered) w->layers[k].scatter = w->scatters[k]->scatter;
+    w->layers[k].density = random_below(r, 3) ? 1 : (float)random_in(r, 0.2, 1);
+    if (random_below(r, 3) == 0) make_filters(w, r, k);
+  }
+  make_scene(w, r);
+}
+
 void destroy_world(world* w) {
   scree_scene_destroy(w->scene);
   scree_edits_destroy(w->edits);
   for (uint32_t k = 0; k < w->count; ++k) {
     scree_field_destroy(w->fields[k]);
     scree_support_destroy(w->supports[k]);
-    synthetic_destroy(&w->sources[k]);
+    if (w->source_of[k] != NULL) synthetic_destroy(&w->sources[k]);
+    if (w->scatters[k] != NULL) scree_scatter_destroy(w->scatters[k]->scatter);
+    free(w->scatters[k]);
     free(w->shapes[k]);
   }
 }

@@ -12,6 +12,8 @@ typedef struct world {
   uint32_t count;
   synthetic_source sources[MAX_LAYERS];
   const field_source* source_of[MAX_LAYERS];
+  random_scatter* scatters[MAX_LAYERS]; /* NULL: a layer of rocks */
+  const scree_scatter_desc* scatter_of[MAX_LAYERS];
   scree_field* fields[MAX_LAYERS];
   random_support* shapes[MAX_LAYERS];
   scree_support* supports[MAX_LAYERS];
@@ -37,6 +39,9 @@ void make_thick_world(world* w, random_stream* r);
 
 /* Layers in one ball, each denser than the one before: most rocks have neighbours of an earlier layer, and many just miss them. */
 void make_mixed_world(world* w, random_stream* r, uint32_t layers);
+
+/* Layers in and on rolling ground, rocks and scatters in turn or at random. */
+void make_scatter_world(world* w, random_stream* r, uint32_t layers);
 
 void destroy_world(world* w);
 

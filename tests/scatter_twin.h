@@ -2,6 +2,7 @@
 #ifndef SCATTER_TWIN_H
 #define SCATTER_TWIN_H
 
+#include "convex.h"
 #include "scatter_internal.h"
 #include "support_program.h"
 #include "synthetic_field.h"

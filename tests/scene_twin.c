@@ -54,40 +54,70 @@ static double share(const scree_filter* f, const double at[3]) {
 }
 
 static bool passes(const twin_layer* layer, const twin_rock* rock) {
-  const scree_field* field = layer->given->field;
-  double product = layer->given->density > 0 ? (double)layer->given->density : 1, at[3];
-  for (int a = 0; a < 3; ++a) at[a] = field->origin[a] + field->cell_size * (double)rock->cell[a];
-  for (uint32_t i = 0; i < layer->given->filter_count; ++i) product *= share(&layer->given->filters[i], at);
+  double product = layer->given->density > 0 ? (double)layer->given->density : 1;
+  for (uint32_t i = 0; i < layer->given->filter_count; ++i) product *= share(&layer->given->filters[i], rock->place);
   const scree_id* id = &rock->rock.id;
-  uint64_t hash = hash_corner(field->seed ^ UINT64_C(0xd1b54a32d192ed03), id->cube[0], id->cube[1], id->cube[2]);
+  const uint64_t seed = layer->models != NULL ? layer->models->seed : layer->given->field->seed;
+  uint64_t hash =
+      hash_corner(seed ^ UINT64_C(0xd1b54a32d192ed03), id->cube[0], layer->models != NULL ? 0 : id->cube[1], id->cube[2]);
   return (double)(hash_combine(hash, id->local) >> 11) / 9007199254740992.0 < product;
 }
 
 /* --- overlaps -------------------------------------------------------------------------------------------------------------- */
 
-static void home_of(const twin_layer* layer, const twin_rock* rock, const double base[3], double home[3]) {
-  const scree_field* field = layer->given->field;
-  for (int a = 0; a < 3; ++a) home[a] = (field->origin[a] - base[a]) + field->cell_size * (double)rock->cell[a];
+bool twin_hull(const twin_layer* layer, const twin_rock* rock, uint32_t part, const double from[3], float xyz[3][64],
+               convex_hull* hull) {
+  *hull = (convex_hull){.x = xyz[0], .y = xyz[1], .z = xyz[2]};
+  if (layer->models == NULL) {
+    const scree_field* field = layer->given->field;
+    for (int a = 0; a < 3; ++a) hull->at[a] = (field->origin[a] - from[a]) + field->cell_size * (double)rock->cell[a];
+    hull->count = part == 0 ? scree_rt_field_hull(field, rock->rock.asset, xyz[0], xyz[1], xyz[2]) : 0;
+    hull->scale = field->cell_size / field->lattice_per_cell;
+    return hull->count > 0;
+  }
+  const scree_scatter* s = layer->given->scatter;
+  float points[64][3], turn[2], scale;
+  if (scree_scatter_part(s, rock->rock.asset, part, points[0], 64, &hull->count) != SCREE_OK) return false;
+  scree_scatter_turn(s, rock->random, turn, &scale);
+  for (uint32_t i = 0; i < hull->count; ++i) {
+    xyz[0][i] = turn[1] * points[i][0] + turn[0] * points[i][2];
+    xyz[1][i] = points[i][1];
+    xyz[2][i] = turn[1] * points[i][2] - turn[0] * points[i][0];
+  }
+  hull->scale = (double)scale;
+  for (int a = 0; a < 3; ++a)
+    hull->at[a] = (layer->models->origin[a] - from[a]) + s->unit * (double)rock->cell[a]; /* steps, see twin_scene */
+  return true;
+}
+
+static double reach_of(const convex_hull* hull) {
+  double most = 0;
+  for (uint32_t i = 0; i < hull->count; ++i)
+    most = fmax(most, hypot(hypot((double)hull->x[i], (double)hull->y[i]), (double)hull->z[i]) * hull->scale);
+  return most * 1.001;
 }
 
 static bool hulls_meet(const twin_layer* la, const twin_rock* a, const twin_layer* lb, const twin_rock* b, const double base[3]) {
-  double home_a[3], home_b[3], far2 = 0;
-  home_of(la, a, base, home_a);
-  home_of(lb, b, base, home_b);
-  for (int i = 0; i < 3; ++i) far2 += (home_b[i] - home_a[i]) * (home_b[i] - home_a[i]);
-  double most = 3 * (la->given->field->cell_size + lb->given->field->cell_size);
-  if (far2 > most * most) return false; /* hulls reach 1.5 cells at most: twice that is far */
-  float xyz[2][3][FIELD_MAX_HULL];
-  convex_hull hulls[2] = {{.x = xyz[0][0], .y = xyz[0][1], .z = xyz[0][2]}, {.x = xyz[1][0], .y = xyz[1][1], .z = xyz[1][2]}};
-  const scree_field* fields[2] = {la->given->field, lb->given->field};
-  const uint32_t assets[2] = {a->rock.asset, b->rock.asset};
-  for (int k = 0; k < 2; ++k) {
-    hulls[k].count = scree_rt_field_hull(fields[k], assets[k], xyz[k][0], xyz[k][1], xyz[k][2]);
-    if (hulls[k].count == 0) return false;
-    hulls[k].scale = fields[k]->cell_size / fields[k]->lattice_per_cell;
+  double far2 = 0;
+  for (int i = 0; i < 3; ++i) far2 += (b->place[i] - a->place[i]) * (b->place[i] - a->place[i]);
+  if (far2 > 20 * 20) return false; /* nothing in these tests is so large */
+  float xyz[2][3][64];
+  convex_hull hulls[2];
+  for (uint32_t i = 0; twin_hull(la, a, i, base, xyz[0], &hulls[0]); ++i) {
+    const double reach = reach_of(&hulls[0]);
+    const double home[3] = {hulls[0].at[0], hulls[0].at[1], hulls[0].at[2]};
+    for (uint32_t k = 0; twin_hull(lb, b, k, base, xyz[1], &hulls[1]); ++k) {
+      const double apart = reach + reach_of(&hulls[1]);
+      if (far2 > apart * apart) continue;
+      for (int axis = 0; axis < 3; ++axis) {
+        hulls[0].at[axis] = 0;
+        hulls[1].at[axis] -= home[axis];
+      }
+      if (scree_rt_convex_meet(&hulls[0], &hulls[1])) return true;
+      for (int axis = 0; axis < 3; ++axis) hulls[0].at[axis] = home[axis];
+    }
   }
-  for (int i = 0; i < 3; ++i) hulls[1].at[i] = home_b[i] - home_a[i];
-  return scree_rt_convex_meet(&hulls[0], &hulls[1]);
+  return false;
 }
 
 static bool meets_an_earlier(const scene_twin* twin, uint32_t k, const twin_rock* rock, const double base[3]) {
@@ -151,8 +181,65 @@ static bool is_buried(const twin_layer* layer, const twin_rock* rock) {
   return true;
 }
 
-scene_twin twin_scene(const scree_scene_desc* desc, const field_source* const* sources, const twin_edit* edits, uint32_t edit_count,
-                      const double middle[3], double reach, const double origin[3]) {
+static void find_rocks(twin_layer* layer, const double middle[3], double reach, const double origin[3]) {
+  const scree_field* field = layer->given->field;
+  scree_query_desc query = {.field = field,
+                            .support = layer->given->support,
+                            .threshold = layer->given->threshold,
+                            .shell_depth = layer->given->shell_depth,
+                            .flags = layer->given->shell_depth > 0 ? SCREE_QUERY_SHELL : 0};
+  memcpy(query.origin, origin, sizeof query.origin);
+  for (int a = 0; a < 3; ++a) {
+    layer->low[a] = (int64_t)floor((middle[a] - reach - field->origin[a]) / field->cell_size);
+    layer->high[a] = (int64_t)ceil((middle[a] + reach - field->origin[a]) / field->cell_size);
+  }
+  found_rocks found = twin_query(&query, layer->source, layer->low, layer->high);
+  layer->rocks = calloc(found.count + 1, sizeof *layer->rocks);
+  assert_non_null(layer->rocks);
+  for (uint64_t i = 0; i < found.count; ++i) {
+    twin_rock* rock = &layer->rocks[layer->count++];
+    *rock = (twin_rock){.rock = {.asset = found.rocks[i].instance.asset, .id = found.rocks[i].id}};
+    memcpy(rock->rock.position, found.rocks[i].instance.position, sizeof rock->rock.position);
+    uint32_t cell = rock->rock.id.local / layer->source->max_rocks_per_cell, n = layer->source->cells_per_cube;
+    for (int a = 0; a < 3; ++a) {
+      rock->cell[a] = (int64_t)rock->rock.id.cube[a] * n + cell % n;
+      rock->place[a] = field->origin[a] + field->cell_size * (double)rock->cell[a];
+      cell /= n;
+    }
+  }
+  found_free(&found);
+}
+
+/* cell: of an instance, its steps. */
+static void find_instances(twin_layer* layer, const double middle[3], double reach, const double origin[3]) {
+  const scree_scatter* s = layer->given->scatter;
+  double low[3], high[3];
+  int32_t first[2], end[2];
+  scree_support_bounds(layer->given->support, low, high);
+  for (int i = 0; i < 2; ++i) {
+    const double side = s->unit * 4096, from = layer->models->origin[2 * i];
+    first[i] = (int32_t)floor((fmax(low[2 * i], middle[2 * i] - reach) - from) / side);
+    end[i] = (int32_t)floor((fmin(high[2 * i], middle[2 * i] + reach) - from) / side) + 1;
+  }
+  twin_stands found = twin_scatter(s, layer->models, layer->given->support, first, end, fmin(high[1], middle[1] + reach) + 0.1,
+                                   fmax(low[1], middle[1] - reach) - 0.1);
+  layer->rocks = calloc(found.count + 1, sizeof *layer->rocks);
+  assert_non_null(layer->rocks);
+  for (uint64_t i = 0; i < found.count; ++i) {
+    twin_rock* rock = &layer->rocks[layer->count++];
+    *rock = (twin_rock){.rock = {.asset = found.stands[i].model, .id = found.stands[i].id}, .random = found.stands[i].random};
+    for (int a = 0; a < 3; ++a) {
+      const double away = s->unit * (double)found.stands[i].steps[a];
+      rock->cell[a] = found.stands[i].steps[a];
+      rock->place[a] = layer->models->origin[a] + away;
+      rock->rock.position[a] = (float)((layer->models->origin[a] - origin[a]) + away);
+    }
+  }
+  free(found.stands);
+}
+
+scene_twin twin_scene(const scree_scene_desc* desc, const field_source* const* sources, const scree_scatter_desc* const* scatters,
+                      const twin_edit* edits, uint32_t edit_count, const double middle[3], double reach, const double origin[3]) {
   scene_twin twin = {.count = desc->layer_count};
   bool keyed = false;
   for (uint32_t k = 0; k < desc->layer_count; ++k) keyed = keyed || desc->layers[k].key != 0;
@@ -160,39 +247,28 @@ scene_twin twin_scene(const scree_scene_desc* desc, const field_source* const* s
     twin_layer* layer = &twin.layers[k];
     layer->given = &desc->layers[k];
     layer->source = sources[k];
-    const scree_field* field = layer->given->field;
-    scree_query_desc query = {.field = field,
-                              .support = layer->given->support,
-                              .threshold = layer->given->threshold,
-                              .shell_depth = layer->given->shell_depth,
-                              .flags = layer->given->shell_depth > 0 ? SCREE_QUERY_SHELL : 0};
-    memcpy(query.origin, origin, sizeof query.origin);
-    for (int a = 0; a < 3; ++a) {
-      layer->low[a] = (int64_t)floor((middle[a] - reach - field->origin[a]) / field->cell_size);
-      layer->high[a] = (int64_t)ceil((middle[a] + reach - field->origin[a]) / field->cell_size);
+    if (layer->given->scatter != NULL) {
+      layer->models = scatters[k];
+      find_instances(layer, middle, reach, origin);
+    } else {
+      find_rocks(layer, middle, reach, origin);
     }
-    found_rocks found = twin_query(&query, layer->source, layer->low, layer->high);
-    layer->rocks = calloc(found.count + 1, sizeof *layer->rocks);
-    assert_non_null(layer->rocks);
-    for (uint64_t i = 0; i < found.count; ++i) {
-      twin_rock rock = {.rock = {.asset = found.rocks[i].instance.asset, .id = found.rocks[i].id}};
-      memcpy(rock.rock.position, found.rocks[i].instance.position, sizeof rock.rock.position);
+    uint64_t kept = 0;
+    for (uint64_t i = 0; i < layer->count; ++i) {
+      twin_rock rock = layer->rocks[i];
       rock.rock.id.layer = (uint16_t)(keyed ? layer->given->key : k);
-      uint32_t cell = rock.rock.id.local / layer->source->max_rocks_per_cell, n = layer->source->cells_per_cube;
-      for (int a = 0; a < 3; ++a) {
-        rock.cell[a] = (int64_t)rock.rock.id.cube[a] * n + cell % n;
-        cell /= n;
-      }
       for (uint32_t e = 0; e < edit_count; ++e)
         if (memcmp(&edits[e].id, &rock.rock.id, sizeof rock.rock.id) == 0) rock.edit = edits[e].edit;
-      if (passes(layer, &rock)) layer->rocks[layer->count++] = rock;
+      if (passes(layer, &rock)) layer->rocks[kept++] = rock;
     }
-    found_free(&found);
+    layer->count = kept;
   }
+  const double* base = twin.layers[0].models != NULL ? twin.layers[0].models->origin : desc->layers[0].field->origin;
   for (uint32_t k = 1; k < twin.count; ++k)
     for (uint64_t i = 0; i < twin.layers[k].count; ++i)
-      twin.layers[k].rocks[i].dropped = meets_an_earlier(&twin, k, &twin.layers[k].rocks[i], desc->layers[0].field->origin);
-  for (uint32_t k = 0; k < twin.count; ++k) find_full_cells(&twin.layers[k]);
+      twin.layers[k].rocks[i].dropped = meets_an_earlier(&twin, k, &twin.layers[k].rocks[i], base);
+  for (uint32_t k = 0; k < twin.count; ++k)
+    if (twin.layers[k].models == NULL) find_full_cells(&twin.layers[k]);
   return twin;
 }
 
@@ -216,11 +292,15 @@ scene_rocks twin_answer(const scene_twin* twin, const scree_scene_query_desc* d)
       const twin_rock* rock = &layer->rocks[i];
       bool inside = true;
       for (int a = 0; a < 3; ++a) {
+        if (layer->models != NULL) {
+          inside = inside && rock->place[a] >= d->min[a] && rock->place[a] < d->max[a];
+          continue;
+        }
         double centre = layer->given->field->cell_size * (double)rock->cell[a], from = layer->given->field->origin[a];
         inside = inside && centre >= d->min[a] - from && centre < d->max[a] - from;
       }
       if (!(inside || everywhere) || rock->dropped || rock->edit == SCREE_EDIT_REMOVE) continue;
-      if (visible && (rock->edit == SCREE_EDIT_HIDE || is_buried(layer, rock))) continue;
+      if (visible && (rock->edit == SCREE_EDIT_HIDE || (layer->models == NULL && is_buried(layer, rock)))) continue;
       out.rocks[out.count++] = rock->rock;
     }
   }

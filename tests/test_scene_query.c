@@ -16,7 +16,7 @@ static const double REACH = 24; /* metres from the middle: nothing farther matte
 
 static void check_answer(world* w, scree_scene_query_desc* d, scree_scratch* scratch) {
   d->edits = w->edit_count > 0 ? w->edits : NULL;
-  scene_twin twin = twin_scene(&w->desc, w->source_of, w->edit_list, w->edit_count, w->middle, REACH, d->origin);
+  scene_twin twin = twin_scene(&w->desc, w->source_of, w->scatter_of, w->edit_list, w->edit_count, w->middle, REACH, d->origin);
   scene_rocks expected = twin_answer(&twin, d), found = ask_scene(d, scratch);
   assert_scene_rocks_equal(&expected, &found);
   scene_rocks_free(&expected);
@@ -258,7 +258,7 @@ static void rock_is_found_by_its_id_with_why_it_is_there_or_not(void** state) {
     }
     scene_rocks all = ask_scene(&d, scratch);
     make_edits(&w, &r, &all);
-    scene_twin twin = twin_scene(&w.desc, w.source_of, w.edit_list, w.edit_count, w.middle, REACH, w.middle);
+    scene_twin twin = twin_scene(&w.desc, w.source_of, w.scatter_of, w.edit_list, w.edit_count, w.middle, REACH, w.middle);
     for (uint32_t k = 0; k < w.count; ++k)
       for (uint32_t i = 0; i < 60 && twin.layers[k].count > 0; ++i) {
         const twin_rock* rock = &twin.layers[k].rocks[random_bits(&r) % twin.layers[k].count];

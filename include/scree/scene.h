@@ -1,12 +1,15 @@
-/* A scene: an ordered list of layers, each a field of rock in a support, with rules for which of its rocks exist; and what can be
- * asked of it: the rocks of a box, one rock by its id, rays, overlaps, hulls for a physics engine. All of it is a pure function of
- * the scene and the edits: no order of visits, no block, no thread matters.
+/* A scene: an ordered list of layers, each a field of rock in a support or a scatter of models on one, with rules for which of its
+ * rocks exist; and what can be asked of it: the rocks of a box, one rock by its id, rays, overlaps, hulls for a physics engine. All
+ * of it is a pure function of the scene and the edits: no order of visits, no block, no thread matters.
+ *
+ * "Rock" also means an instance of a scatter (scatter.h) from here on. Its hulls are the convex parts of its model, turned and
+ * scaled; its position is where it stands, and boxes that ask for the centres of home cells ask for that.
  *
  * Where layers overlap, the earlier wins: a rock of a later layer whose hull meets the hull of a kept rock of an earlier one is
  * dropped. "Kept" looks at supports, filters and earlier layers only, never at edits, so that an edit changes no rock but its own.
  *
- * A scene keeps pointers to its fields and supports, which must outlive it; filters are copied. It is immutable and may be shared
- * between threads. To change a scene, make another (it costs microseconds) and hand that to the streams. */
+ * A scene keeps pointers to its fields, scatters and supports, which must outlive it; filters are copied. It is immutable and may
+ * be shared between threads. To change a scene, make another (it costs microseconds) and hand that to the streams. */
 #ifndef SCREE_SCENE_H
 #define SCREE_SCENE_H
 
@@ -46,11 +49,12 @@ typedef struct scree_filter {
 } scree_filter;
 
 typedef struct scree_layer {
-  const scree_field* field;
+  const scree_field* field;     /* rocks; or NULL, and */
+  const scree_scatter* scatter; /* models on the ground that the support makes, which has to end somewhere above */
   const scree_support* support;
   uint16_t key;      /* goes into ids; unique in the scene. All zero in all layers = the layer's index */
-  float threshold;   /* as in scree_query_desc */
-  float shell_depth; /* metres, > 0: rocks deeper below the surface do not exist; 0 = they do */
+  float threshold;   /* as in scree_query_desc; of a scatter 0 */
+  float shell_depth; /* metres, > 0: rocks deeper below the surface do not exist; 0 = they do; of a scatter 0 */
   float density;     /* 0 = 1; a share 0..1 on top of the filters */
   const scree_filter* filters;
   uint32_t filter_count; /* at most 16 */
@@ -72,7 +76,7 @@ SCREE_API void scree_scene_bounds(const scree_scene* scene, double min[3], doubl
 /* One rock of a scene. 32 bytes. */
 typedef struct scree_rock {
   float position[3]; /* of the home cell's centre, metres, relative to the question's origin; meshes are relative to this point */
-  uint32_t asset;    /* of the layer's pack */
+  uint32_t asset;    /* of the layer's pack; the model of a scatter, whose turn and size scree_scatter_turn says */
   scree_id id;
 } scree_rock;
 
@@ -108,8 +112,9 @@ typedef enum scree_rock_state {
   SCREE_ROCK_UNKNOWN = 5  /* no such layer, or no such rock in the tile that stands there */
 } scree_rock_state;
 
-/* One rock by its id. rock: filled unless the state is UNKNOWN; may be NULL. origin: as above.
- * Returns SCREE_OK (also when the rock is not there), INVALID_ARGUMENT or OUT_OF_MEMORY. */
+/* One rock by its id. rock: filled unless the state is UNKNOWN; may be NULL; of an instance of a scatter that is OUTSIDE, the
+ * height is that of the middle of its cube. origin: as above. Returns SCREE_OK (also when the rock is not there), INVALID_ARGUMENT
+ * or OUT_OF_MEMORY. */
 SCREE_API scree_result scree_scene_find(const scree_scene* scene, const scree_edits* edits, scree_scratch* scratch,
                                         const scree_id* id, const double origin[3], scree_rock* rock, scree_rock_state* state);
 
@@ -157,7 +162,8 @@ SCREE_API scree_result scree_scene_near(const scree_scene* scene, const scree_ed
                                         scree_rock* rocks, uint64_t capacity, uint64_t* count);
 
 /* The hull of a rock's asset in metres relative to the rock's position: 3 floats a vertex; the same for all rocks of one layer and
- * asset, so hosts keep one shape for each. layer: index. Returns as scree_pack_get_hull. */
+ * asset, so hosts keep one shape for each. Of a scatter, the first part of a model, to be turned and scaled; all of them:
+ * scree_scatter_part. layer: index. Returns as scree_pack_get_hull. */
 SCREE_API scree_result scree_scene_hull(const scree_scene* scene, uint32_t layer, uint32_t asset, float* xyz, uint32_t capacity,
                                         uint32_t* count);
 
