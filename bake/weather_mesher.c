@@ -190,26 +190,56 @@ static uint32_t clamp_voxel(float at, uint32_t size) {
   return at <= 0 ? 0 : at >= (float)size ? size - 1 : (uint32_t)at;
 }
 
-/* Share of air in the bubble at a point: trilinear between the voxels around it. */
-static float air_share(const scree_weather* w, const float position[3]) {
+/* The eight voxels around a point and where it lies between them. */
+typedef struct voxel_cube {
   uint32_t low[3], high[3];
   float t[3];
+} voxel_cube;
+
+static voxel_cube cube_around(const scree_weather* w, const float position[3]) {
+  voxel_cube cube;
   for (uint32_t axis = 0; axis < 3; ++axis) {
     const float p = position[axis] - 0.5f;
-    low[axis] = clamp_voxel(p, w->size[axis]);
-    high[axis] = low[axis] + 1 < w->size[axis] ? low[axis] + 1 : low[axis];
-    t[axis] = p - (float)low[axis];
-    t[axis] = t[axis] < 0 ? 0 : t[axis] > 1 ? 1 : t[axis];
+    const uint32_t low = clamp_voxel(p, w->size[axis]);
+    const float t = p - (float)low;
+    cube.low[axis] = low;
+    cube.high[axis] = low + 1 < w->size[axis] ? low + 1 : low;
+    cube.t[axis] = t < 0 ? 0 : t > 1 ? 1 : t;
   }
-  float v[8];
-  for (uint32_t i = 0; i < 8; ++i) {
-    const uint32_t x = i & 1 ? high[0] : low[0], y = i >> 1 & 1 ? high[1] : low[1], z = i >> 2 ? high[2] : low[2];
-    v[i] = (float)weather_count(w, x, y, z) / (float)weather_bubble_at(w, x, y, z)->volume;
-  }
+  return cube;
+}
+
+static float trilinear(float v[8], const float t[3]) {
   for (uint32_t i = 0; i < 4; ++i) v[i] = v[2 * i] + (v[2 * i + 1] - v[2 * i]) * t[0];
   v[0] += (v[1] - v[0]) * t[1];
   v[1] = v[2] + (v[3] - v[2]) * t[1];
   return v[0] + (v[1] - v[0]) * t[2];
+}
+
+/* Share of air in the bubble at a point. */
+static float air_share(const scree_weather* w, const float position[3]) {
+  const voxel_cube cube = cube_around(w, position);
+  float v[8];
+  for (uint32_t j = 0; j < 2; ++j) {
+    const uint32_t y = j == 0 ? cube.low[1] : cube.high[1];
+    const weather_layer* layer = &w->tables->layers[y];
+    const float scale = 1 / (float)w->tables->bubbles[layer->bubbles[0]].volume;
+    for (uint32_t i = 0; i < 4; ++i) {
+      const uint32_t x = i & 1 ? cube.high[0] : cube.low[0], z = i >> 1 ? cube.high[2] : cube.low[2];
+      const float count = (float)weather_count(w, x, y, z);
+      v[(i & 1) + 2 * j + 4 * (i >> 1)] =
+          layer->bubble_count == 1 ? count * scale : count / (float)weather_bubble_at(w, x, y, z)->volume;
+    }
+  }
+  return trilinear(v, cube.t);
+}
+
+/* 2 c - 1 where a level face has 0. Bubbles count whole voxels, but the surface sinks by up to a voxel as their lives do: half a
+ * voxel further out is right on average. (Looking for the surface of whole voxels shows their stairs.) */
+static float curvature_at(const scree_weather* w, const float position[3], const float normal[3]) {
+  float out[3];
+  for (uint32_t axis = 0; axis < 3; ++axis) out[axis] = position[axis] + 0.5f * normal[axis];
+  return 2 * air_share(w, out) - 1;
 }
 
 static void describe(const void* user, scree_surface_vertex* vertex) {
@@ -228,7 +258,7 @@ static void describe(const void* user, scree_surface_vertex* vertex) {
   }
   vertex->durability = weather_durability(w, at[0], at[1], at[2]);
   vertex->layer = w->tables->layers[at[1]].segment;
-  vertex->curvature = 2 * air_share(w, vertex->position) - 1;
+  vertex->curvature = curvature_at(w, vertex->position, vertex->normal);
 }
 
 static float sky(const void* user, const scree_surface_vertex* vertex) {

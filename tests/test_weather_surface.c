@@ -12,7 +12,7 @@
 #include "failing_allocator.h"
 #include "fake_weather.h"
 #include "mesh_twin.h"
-#include "random.h"
+#include "random_weather.h"
 #include "surface_cubes.h"
 
 static void* need(size_t count, size_t size) {
@@ -262,6 +262,196 @@ static void a_wall_meets_the_ground_at_a_right_angle(void** state) {
   fake_weather_destroy(w);
 }
 
+/* --- What weathers. --- */
+
+static void random_simulations_have_right_surfaces_and_keep_them(void** state) {
+  (void)state;
+  uint32_t colluvium = 0, vertices = 0, kept_rounds = 0;
+  for (uint64_t round = 0; round < 30; ++round) {
+    random_stream random = {100 + round};
+    random_start start;
+    random_rules rules[2];
+    random_start_make(&random, 40, &start);
+    random_rules_make(&random, 8, &rules[0]);
+    random_rules_make(&random, 8, &rules[1]);
+    const scree_weather_desc desc = {.start = start.start, .rules = rules[0].rules};
+    scree_weather* w;
+    if (scree_weather_create(&desc, &w, NULL) == SCREE_OK) {
+      ++kept_rounds;
+      scree_weather_snapshot* before = NULL;
+      scree_mesher* kept;
+      assert_int_equal(scree_mesher_create(w, &kept), SCREE_OK);
+      for (uint32_t step = 0; step < 8; ++step) {
+        if (step == 2) assert_int_equal(scree_weather_save(w, &before), SCREE_OK);
+        if (step == 4) assert_int_equal(scree_weather_set_rules(w, &rules[1].rules, NULL), SCREE_OK);
+        if (step == 6)
+          scree_weather_restore(w, before);
+        else if (step != 4)
+          assert_int_equal(scree_weather_step(w, 1 + random_below(&random, 6)), SCREE_OK);
+        scree_mesher* fresh;
+        assert_int_equal(scree_mesher_create(w, &fresh), SCREE_OK);
+        for (uint32_t level = step % 2; level <= 5; level += 1 + random_below(&random, 3)) {
+          scree_surface a, b;
+          assert_int_equal(scree_mesher_update(kept, level, &a), SCREE_OK);
+          assert_int_equal(scree_mesher_update(fresh, level, &b), SCREE_OK);
+          assert_true(same_surface(&a, &b));
+          if (step % 3 == 0) assert_surface_is_right(&a);
+          colluvium += a.colluvium_triangles;
+          vertices += a.vertex_count;
+        }
+        scree_mesher_destroy(fresh);
+      }
+      scree_mesher_destroy(kept);
+      scree_weather_forget(w, before);
+      scree_weather_destroy(w);
+    }
+    random_start_free(&start);
+  }
+  assert_true(kept_rounds > 15 && vertices > 50000 && colluvium > 1000);
+}
+
+/* The research's sphere: a cube of 40, 3c^4 in a bubble of 4, exposure 0.6, until a fifth is left. */
+static void a_cube_weathers_to_a_smooth_ball(void** state) {
+  (void)state;
+  const scree_durability_point point = {.durability = 1};
+  scree_weather_desc desc = {
+      .start = {.kind = SCREE_START_BOX, .size = {56, 56, 56}, .box_min = {8, 8, 8}, .box_max = {48, 48, 48}}};
+  scree_weather_rules_default(&desc.rules);
+  desc.rules.durability = &point;
+  desc.rules.durability_count = 1;
+  desc.rules.spheroidal.kind = SCREE_CURVE_QUARTIC;
+  desc.rules.exposure = 0.6;
+  desc.rules.colluvium_share = 0;
+  desc.rules.rockfall = SCREE_ROCKFALL_NONE;
+  scree_weather* w;
+  scree_mesher* mesher;
+  scree_surface s;
+  assert_int_equal(scree_weather_create(&desc, &w, NULL), SCREE_OK);
+  assert_int_equal(scree_weather_run(w, 0.2, 10000, NULL, NULL), SCREE_OK);
+  assert_int_equal(scree_mesher_create(w, &mesher), SCREE_OK);
+  assert_int_equal(scree_mesher_update(mesher, 0, &s), SCREE_OK);
+  assert_surface_is_right(&s);
+  double area = 0;
+  for (uint32_t t = 0; t < triangles_of(&s); ++t) {
+    double u[3], v[3];
+    for (int axis = 0; axis < 3; ++axis) {
+      const double p = (double)s.vertices[s.indices[3 * t]].position[axis];
+      u[axis] = (double)s.vertices[s.indices[3 * t + 1]].position[axis] - p;
+      v[axis] = (double)s.vertices[s.indices[3 * t + 2]].position[axis] - p;
+    }
+    const double n[3] = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
+    area += sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]) / 2;
+  }
+  double off = 0, worst = 0, radius = 0, radius2 = 0;
+  for (uint32_t v = 0; v < s.vertex_count; ++v) {
+    double dot = 0, length2 = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double d = (double)s.vertices[v].position[axis] - 28;
+      dot += d * (double)s.vertices[v].normal[axis];
+      length2 += d * d;
+    }
+    const double angle = acos(fmin(dot / sqrt(length2), 1)) * 180 / 3.14159265358979;
+    off += angle / s.vertex_count;
+    worst = fmax(worst, angle);
+    radius += sqrt(length2) / s.vertex_count;
+    radius2 += length2 / s.vertex_count;
+  }
+  const double volume = volume_of(&s), psi = cbrt(3.14159265358979) * pow(6 * volume, 2.0 / 3) / area;
+  const double deviation = sqrt(radius2 - radius * radius) / radius;
+  print_message("sphericity %.4f, radius +- %.2f %%, normals off by %.2f degrees, at most %.1f\n", psi, 100 * deviation, off,
+                worst);
+  assert_true(psi >= 0.99);
+  assert_true(deviation <= 0.025);
+  assert_true(off <= 6);
+  assert_true(worst <= 15);
+  scree_mesher_destroy(mesher);
+  scree_weather_destroy(w);
+}
+
+static void vertices_tell_what_lies_beneath(void** state) {
+  (void)state;
+  /* Three beds of a block; colluvium is whatever fell from them. */
+  const scree_durability_point points[4] = {{0, 1, 0, 0, 0}, {0.4, 1, 0, 0, 0}, {0.401, 3, 0, 0, 0}, {1, 3, 0, 0, 0}};
+  scree_weather_desc desc = {
+      .start = {.kind = SCREE_START_BOX, .size = {60, 50, 60}, .box_min = {15, 0, 15}, .box_max = {45, 45, 45}}};
+  scree_weather_rules_default(&desc.rules);
+  desc.rules.durability = points;
+  desc.rules.durability_count = 4;
+  desc.rules.colluvium_share = 0.5;
+  scree_weather* w;
+  scree_mesher* mesher;
+  scree_surface s;
+  assert_int_equal(scree_weather_create(&desc, &w, NULL), SCREE_OK);
+  assert_int_equal(scree_weather_run(w, 0.6, 10000, NULL, NULL), SCREE_OK);
+  assert_int_equal(scree_mesher_create(w, &mesher), SCREE_OK);
+  assert_int_equal(scree_mesher_update(mesher, 0, &s), SCREE_OK);
+  double edge = 0, wall = 0;
+  uint32_t edges = 0, walls = 0, low = 0, high = 0, bed = 0, grains = 0;
+  for (uint32_t v = 0; v < s.vertex_count; ++v) {
+    const scree_surface_vertex* vertex = &s.vertices[v];
+    const float y = vertex->position[1];
+    if (vertex->material == 1) {
+      ++grains;
+      continue;
+    }
+    if (y > 2 && y < 17) {
+      low += vertex->layer == 1;
+      assert_true(vertex->layer <= 2);
+    }
+    if (y > 24) {
+      ++high;
+      /* Of the bed, or of grains that are too few to show. */
+      assert_true(fabsf(vertex->durability - 3) < 1e-3f || fabsf(vertex->durability - 3 * 0.35f) < 1e-3f);
+      bed += vertex->durability > 2;
+      assert_int_equal(vertex->layer, 3);
+    }
+    /* The top's rim is an edge; the middle of its face is level. */
+    if (y > 40 && vertex->normal[1] > 0.5f && vertex->normal[1] < 0.9f) edge += (double)vertex->curvature, ++edges;
+    const float away = fmaxf(fabsf(vertex->position[0] - 30), fabsf(vertex->position[2] - 30));
+    if (vertex->normal[1] > 0.999f && away < 5) wall += (double)vertex->curvature, ++walls;
+  }
+  print_message("edges %u of %.2f, level %u of %.3f, low %u, high %u, grains %u\n", edges, edge / edges, walls, wall / walls, low,
+                high, grains);
+  assert_true(edges > 20 && walls > 20 && low > 20 && high > 100 && bed > high * 0.95 && grains > 20);
+  assert_true(fabs(wall / walls) < 0.15);
+  assert_true(edge / edges > 0.15);
+  scree_mesher_destroy(mesher);
+  scree_weather_destroy(w);
+}
+
+/* A deep shaft is dark at its bottom, a plain is not. */
+static void hollows_are_dark_and_plains_are_not(void** state) {
+  (void)state;
+  const uint32_t size[3] = {80, 50, 80};
+  scree_weather* w = fake_weather_create(size, NULL, NULL);
+  for (uint32_t z = 4; z < 76; ++z)
+    for (uint32_t y = 0; y < 44; ++y)
+      for (uint32_t x = 4; x < 76; ++x) {
+        const bool shaft = x >= 34 && x < 46 && z >= 34 && z < 46 && y >= 10;
+        if (!shaft) fake_weather_set(w, x, y, z, SCREE_VOXEL_ROCK, 1);
+      }
+  scree_mesher* mesher;
+  scree_surface s;
+  assert_int_equal(scree_mesher_create(w, &mesher), SCREE_OK);
+  assert_int_equal(scree_mesher_update(mesher, 0, &s), SCREE_OK);
+  uint32_t dark = 0, open = 0;
+  for (uint32_t v = 0; v < s.vertex_count; ++v) {
+    const scree_surface_vertex* vertex = &s.vertices[v];
+    const float x = fabsf(vertex->position[0] - 40), z = fabsf(vertex->position[2] - 40), y = vertex->position[1];
+    if (y < 12 && y > 5 && x < 4 && z < 4) {
+      ++dark;
+      assert_true(vertex->occlusion < 0.35f);
+    }
+    if (y > 43 && (x > 16 || z > 16) && x < 30 && z < 30) {
+      ++open;
+      assert_true(vertex->occlusion > 0.95f);
+    }
+  }
+  assert_true(dark > 20 && open > 1000);
+  scree_mesher_destroy(mesher);
+  fake_weather_destroy(w);
+}
+
 static void threads_change_nothing(void** state) {
   (void)state;
   const uint32_t size[3] = {60, 40, 50};
@@ -351,6 +541,10 @@ int main(void) {
       cmocka_unit_test(levels_keep_the_volume),
       cmocka_unit_test(normals_of_a_ball_point_outward),
       cmocka_unit_test(a_wall_meets_the_ground_at_a_right_angle),
+      cmocka_unit_test(random_simulations_have_right_surfaces_and_keep_them),
+      cmocka_unit_test(a_cube_weathers_to_a_smooth_ball),
+      cmocka_unit_test(vertices_tell_what_lies_beneath),
+      cmocka_unit_test(hollows_are_dark_and_plains_are_not),
       cmocka_unit_test(threads_change_nothing),
       cmocka_unit_test(a_mesher_without_memory_says_so_and_goes_on),
       cmocka_unit_test(nothing_has_no_surface),

@@ -193,8 +193,8 @@ typedef struct scree_surface_vertex {
   float position[3];
   float normal[3];    /* unit, outward */
   float durability;   /* of the voxel beneath, noise included */
-  float curvature;    /* 2 c - 1 over its bubble, in -1..1: 0 = level, > 0 = edges and tips, < 0 = hollows */
-  float occlusion;    /* share of the sky seen, 0..1 */
+  float curvature;    /* 2 c - 1 over its bubble, in -1..1: about 0 = level, > 0 = edges and tips, < 0 = hollows */
+  float occlusion;    /* how open the place is: 1 = as a plain, 0 = at the end of a hole */
   uint8_t material;   /* 0 = rock, 1 = colluvium; a vertex on their border is colluvium */
   uint8_t layer;      /* segment of the durability graph, 0 = below the first point; 255 at most */
   uint8_t padding[2]; /* 0 */
