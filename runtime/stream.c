@@ -31,7 +31,7 @@ static void lay_out(scree_stream* s, const scree_stream_caps* caps, arena* a) {
   s->holes = take(a, s->node_count, sizeof *s->holes);
   s->wants = take(a, builds, sizeof *s->wants);
   s->blocks = take(a, caps->blocks, sizeof *s->blocks);
-  s->watches = take(a, (size_t)8 * scree_rt_stream_watch_rows(caps), sizeof *s->watches);
+  s->watches = take(a, (size_t)12 * scree_rt_stream_watch_rows(caps), sizeof *s->watches);
   s->waiting = take(a, caps->blocks, sizeof *s->waiting);
   s->fading = take(a, caps->blocks, sizeof *s->fading);
   s->moved = take(a, caps->blocks, sizeof *s->moved);

@@ -111,7 +111,6 @@ typedef struct stream_node {
   uint8_t level;
   uint8_t empty; /* bit i: child i can hold nothing */
   uint8_t context, child_context;
-  uint8_t settled;   /* bit i: child i is a block that is shown and has nothing to do but to go out of view */
   bool shown, ready; /* ready: fresh is the answer of a build */
   bool building, stale, split;
   bool opened;  /* it was shown and its children have taken its place */
@@ -138,13 +137,13 @@ typedef struct stream_block {
   uint8_t goal[STREAM_CLASSES];     /* level for which users are being counted in advance */
   uint32_t counted[STREAM_CLASSES]; /* so many instances of the run */
   scree_stream_run runs[STREAM_CLASSES];
-  uint32_t triangles[STREAM_CLASSES][STREAM_LEVELS]; /* of all instances of a run */
   float fade_start;
-  uint32_t coarser;    /* instances drawn coarser than the rule says */
-  uint32_t waiting_at; /* place in the list of blocks that wait for meshes, or STREAM_NONE */
-  uint32_t fading_at;  /* place in the list of blocks that fade, or STREAM_NONE */
-  uint32_t next;       /* free slot */
-  uint64_t sent;       /* update of its last event */
+  uint32_t coarser;                                  /* instances drawn coarser than the rule says */
+  uint32_t waiting_at;                               /* place in the list of blocks that wait for meshes, or STREAM_NONE */
+  uint32_t fading_at;                                /* place in the list of blocks that fade, or STREAM_NONE */
+  uint32_t next;                                     /* free slot */
+  uint64_t sent;                                     /* update of its last event */
+  uint32_t triangles[STREAM_CLASSES][STREAM_LEVELS]; /* of all instances of a run */
 } stream_block;
 
 /* A block that waits for meshes, and the error on the screen of what it draws meanwhile. */
@@ -376,7 +375,7 @@ void scree_rt_stream_levels_recount(scree_stream* stream, uint32_t block);
 void scree_rt_stream_levels_update(scree_stream* stream);
 
 /* stream_watch.c */
-/* Numbers that watching takes are eight such rows. */
+/* Numbers that watching takes are twelve such rows. */
 uint32_t scree_rt_stream_watch_rows(const scree_stream_caps* caps);
 void scree_rt_stream_watch_init(scree_stream* stream);
 /* The levels of a block stay between two scaled distances. */
@@ -408,6 +407,8 @@ void scree_rt_stream_bound(scree_stream* stream);
 void scree_rt_stream_touch(scree_stream* stream, uint32_t layer, const double min[3], const double max[3]);
 /* The trees of a layer are going to be emptied. */
 void scree_rt_stream_bury(scree_stream* stream, uint32_t layer);
+/* A block has left the view, or may have. */
+void scree_rt_stream_node_due(scree_stream* stream, uint32_t node);
 /* Nearest distance from any view to a box, metres; scaled: in pixels of the sharpest view. */
 double scree_rt_stream_distance(const scree_stream* stream, const double low[3], const double high[3], double* scaled);
 /* How far from the views the nearest hole is, metres; view_distance at most. */

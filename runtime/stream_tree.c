@@ -190,7 +190,6 @@ static void free_node(scree_stream* s, uint32_t number) {
       if (parent->child[i] == number) {
         parent->child[i] = STREAM_NONE;
         parent->child_due[i] = -INFINITY;
-        parent->settled &= (uint8_t) ~(1u << i);
       }
   }
   if (node->refused) --s->refused;
@@ -381,8 +380,9 @@ static double child_distance(const scree_stream* s, const stream_node* node, int
   return scree_rt_stream_distance(s, low, high, &scaled);
 }
 
+/* A block that has nothing to do but to go out of view: stream_watch.c tells when. */
 static bool is_settled(const stream_node* node) {
-  return node->level == 0 && node->shown && !node->stale && !node->refused && node->context == 0;
+  return node->level == 0 && node->shown && node->block != STREAM_NONE && !node->stale && node->context == 0;
 }
 
 /* The child at place i of a split node, made if it may hold something. *due: when it may come into view. */
@@ -419,11 +419,6 @@ static double visit_split(scree_stream* s, uint32_t number, uint8_t context) {
   double due = INFINITY;
   bool all_ready = true, any_missing = false;
   bool known = !s->revisit && node->child_context == below;
-  for (int i = 0; i < 8 && known; ++i) { /* blocks that stay need not be touched */
-    if (node->child_due[i] > s->travel || !(node->settled >> i & 1)) continue;
-    double distance = child_distance(s, node, i);
-    if (distance < s->view_limit) node->child_due[i] = s->travel + s->view_limit - distance;
-  }
   for (int i = 0; i < 8; ++i)
     if (node->child[i] != STREAM_NONE && node->child_due[i] <= s->travel) stream_prefetch(&s->nodes[node->child[i]], sizeof *node);
   node->child_context = below;
@@ -437,9 +432,8 @@ static double visit_split(scree_stream* s, uint32_t number, uint8_t context) {
         any_missing = true;
       }
       if (child != STREAM_NONE) child_due = visit(s, child, below);
+      if (child_due > s->travel && node->child[i] != STREAM_NONE && is_settled(&s->nodes[node->child[i]])) child_due = INFINITY;
       node->child_due[i] = child_due;
-      node->settled &= (uint8_t) ~(1u << i);
-      if (node->child[i] != STREAM_NONE && is_settled(&s->nodes[node->child[i]])) node->settled |= (uint8_t)(1u << i);
     }
     if (node->child_due[i] < due) due = node->child_due[i];
     if (!node->shown || node->child[i] == STREAM_NONE) continue;
@@ -509,6 +503,15 @@ static double visit(scree_stream* s, uint32_t number, uint8_t context) {
   }
   node->due = due;
   return due;
+}
+
+void scree_rt_stream_node_due(scree_stream* s, uint32_t number) {
+  for (uint32_t n = number; n != STREAM_NONE; n = s->nodes[n].parent) {
+    stream_node* node = &s->nodes[n];
+    node->due = -INFINITY;
+    if (node->parent == STREAM_NONE) continue;
+    s->nodes[node->parent].child_due[(node->at[0] & 1) | (node->at[1] & 1) << 1 | (node->at[2] & 1) << 2] = -INFINITY;
+  }
 }
 
 /* --- roots ------------------------------------------------------------------------------------------------------------------ */
@@ -650,7 +653,7 @@ static void touch_node(scree_stream* s, uint32_t number, const double min[3], co
   node->due = -INFINITY;
   node->touched = s->touch;
   for (int i = 0; i < 8; ++i) node->child_due[i] = -INFINITY;
-  node->empty = node->settled = 0;
+  node->empty = 0;
   node->opened = false;
   if (node->shown) node->stale = true;
   scree_rt_stream_drop_fresh(s, node);

@@ -126,6 +126,23 @@ static void a_far_field_covers_the_view_long_before_it_is_complete(void** state)
   stream_world_free(&w);
 }
 
+static void views_far_apart_find_what_they_would_alone(void** state) {
+  (void)state;
+  stream_world w;
+  stream_world_make(&w, &(stream_world_desc){0});
+  scree_stream_desc desc = {.scene = w.scene, .view_distance = 25, .max_error_pixels = 4, .decode = stream_decode_pattern};
+  stream_host h;
+  host_create(&h, &desc, NULL);
+  random_stream r = {12};
+  for (int i = 0; i < 60; ++i) { /* numbers relative to the first view are as coarse as a metre */
+    scree_view views[2] = {host_view(9e6 + i, 4, 5e6), host_view(-20 + 0.5 * i, 4, random_in(&r, -3, 3))};
+    host_settle(&h, views, 2, 500);
+    host_check_truth(&h, views, 2, true);
+  }
+  host_destroy(&h);
+  stream_world_free(&w);
+}
+
 static void levels_change_at_few_distances(void** state) {
   (void)state;
   stream_world w;
@@ -236,6 +253,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(what_is_covered_has_no_hole),
       cmocka_unit_test(what_is_in_the_frustum_comes_first),
+      cmocka_unit_test(views_far_apart_find_what_they_would_alone),
       cmocka_unit_test(levels_change_at_few_distances),
       cmocka_unit_test(as_much_is_shown_ten_thousand_kilometres_away),
       cmocka_unit_test(a_far_field_covers_the_view_long_before_it_is_complete),
