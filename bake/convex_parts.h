@@ -21,8 +21,8 @@ double convex_volume(const int16_t (*points)[3], uint32_t count);
 scree_result convex_hull_of(const mesh_buffer* mesh, const kernel_set* kernels, uint32_t most, const scree_allocator* allocator,
                             int16_t (*hull)[3], uint32_t* count);
 
-/* Cuts a mesh by planes along the axes, always where that takes most air out of the hulls, until another cut would save next to
- * nothing, and fits a hull around each part. coarse: the same shape with fewer triangles, which the cuts are looked for on; may be
+/* Cuts a mesh by planes along the axes, always where that takes most air out of the hulls, into as many parts as are worth it, and
+ * fits a hull around each. coarse: the same shape with fewer triangles, which the cuts are looked for on; may be
  * the mesh itself. parts: room for PARTS_MAX; lowest first. count: 1..PARTS_MAX. Returns SCREE_OK or OUT_OF_MEMORY. */
 scree_result convex_parts_of(const mesh_buffer* mesh, const mesh_buffer* coarse, const kernel_set* kernels,
                              const scree_allocator* allocator, convex_part* parts, uint32_t* count);
