@@ -9,6 +9,7 @@
 #include <cmocka.h>
 
 #include "convex.h"
+#include "rounds.h"
 #include "synthetic_field.h"
 
 typedef struct points {
@@ -289,13 +290,13 @@ static void small_hulls_meet_when_they_do_in_integers(void** state) {
   (void)state;
   random_stream r = {1};
   int counts[2] = {0, 0};
-  for (int i = 0; i < 3000; ++i) {
+  for (int i = 0; i < ROUNDS(3000, 8); ++i) {
     const int32_t reach = 1 + (int32_t)random_below(&r, 8);
     points a = random_points(&r, random_spread(&r), 7, reach, 3);
     points b = random_points(&r, random_spread(&r), 7, reach, 3);
     check_pair(&a, &b, counts);
   }
-  if (counts[0] < 400 || counts[1] < 400) fail_msg("%d apart, %d meet", counts[0], counts[1]);
+  if (counts[0] < ROUNDS(400, 8) || counts[1] < ROUNDS(400, 8)) fail_msg("%d apart, %d meet", counts[0], counts[1]);
 }
 
 /* On a tiny grid almost every pair touches in some way or is nested, and most simplices are flat. */
@@ -303,12 +304,12 @@ static void touching_and_flat_hulls_meet(void** state) {
   (void)state;
   random_stream r = {2};
   int counts[2] = {0, 0};
-  for (int i = 0; i < 5000; ++i) {
+  for (int i = 0; i < ROUNDS(5000, 8); ++i) {
     points a = random_points(&r, random_spread(&r), 6, 1, 1);
     points b = random_points(&r, random_spread(&r), 6, 1, 1);
     check_pair(&a, &b, counts);
   }
-  if (counts[0] < 400 || counts[1] < 400) fail_msg("%d apart, %d meet", counts[0], counts[1]);
+  if (counts[0] < ROUNDS(400, 8) || counts[1] < ROUNDS(400, 8)) fail_msg("%d apart, %d meet", counts[0], counts[1]);
 }
 
 static void boxes_meet_face_edge_and_corner_and_not_beyond(void** state) {
@@ -359,7 +360,7 @@ static void a_to_b_is_b_to_a_to_the_bit(void** state) {
 static void radii_grow_hulls(void** state) {
   (void)state;
   random_stream r = {4};
-  for (int i = 0; i < 3000; ++i) {
+  for (int i = 0; i < ROUNDS(3000, 8); ++i) {
     points a = random_points(&r, (spread)random_below(&r, SPREADS), 6, 3, 3);
     points b = random_points(&r, (spread)random_below(&r, SPREADS), 6, 3, 3);
     convex_hull p = hull_of(&a), q = hull_of(&b);

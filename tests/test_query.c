@@ -12,6 +12,7 @@
 
 #include "query_twin.h"
 #include "random_support.h"
+#include "rounds.h"
 
 /* A field on random tables, and a support. */
 typedef struct scene {
@@ -89,7 +90,7 @@ static void check_scene(const scene* s, const scree_query_desc* d, double reach)
 static void query_equals_its_plain_twin_for_single_shapes(void** state) {
   (void)state;
   random_stream r = {2026};
-  for (int round = 0; round < 75; ++round) {
+  for (int round = 0; round < ROUNDS(75, 4); ++round) {
     scene s = {0};
     scree_shape_kind kind = (scree_shape_kind)(round % (SCREE_SHAPE_PATTERN + 1));
     uint32_t seeds = random_below(&r, 3) ? 1 : 4;
@@ -143,7 +144,7 @@ static void query_equals_its_plain_twin_for_layers_as_thin_as_the_shell(void** s
 static void query_equals_its_plain_twin_for_random_trees(void** state) {
   (void)state;
   random_stream r = {7};
-  for (int round = 0; round < 60; ++round) {
+  for (int round = 0; round < ROUNDS(60, 5); ++round) {
     scene s = {0};
     make_field(&s, &r, 3 + random_below(&r, 6), random_below(&r, 2), random_below(&r, 3) ? 1 : 3);
     random_tree(&s.shapes, &r, 2 + random_below(&r, RANDOM_MAX_LEAVES - 1), 10);

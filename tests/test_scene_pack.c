@@ -34,6 +34,7 @@ static void bake(pile* p, uint64_t seed) {
   recipe.n = 4;
   recipe.voxels_per_cell = 6;
   recipe.lod_levels = 2;
+  recipe.proxies = false;
   recipe.random_seed = seed;
   scree_bake_report report = {0};
   const scree_bake_desc desc = {.recipe = &recipe};

@@ -11,6 +11,7 @@
 #include <cmocka.h>
 
 #include "random_world.h"
+#include "rounds.h"
 
 static const double REACH = 24; /* metres from the middle: nothing farther matters to what is asked */
 
@@ -28,7 +29,7 @@ static void query_equals_its_plain_twin(uint64_t seed, uint32_t layers, uint32_t
   /* layers 0: a thick world; 10 and more: a mixed one of layers - 10 */
   random_stream r = {seed};
   scree_scratch* scratch = make_scratch();
-  for (uint32_t round = 0; round < rounds; ++round) {
+  for (uint32_t round = 0; round < ROUNDS(rounds, 5); ++round) {
     world w;
     if (layers > 10) {
       make_mixed_world(&w, &r, layers - 10);
@@ -96,7 +97,7 @@ static void blocks_of_any_size_and_order_make_up_the_whole(void** state) {
   (void)state;
   random_stream r = {20};
   scree_scratch* scratch = make_scratch();
-  for (int round = 0; round < 24; ++round) {
+  for (int round = 0; round < ROUNDS(24, 4); ++round) {
     world w;
     if (round % 3 == 0) {
       make_thick_world(&w, &r);

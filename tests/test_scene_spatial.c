@@ -13,6 +13,7 @@
 
 #include "failing_allocator.h"
 #include "random_support.h"
+#include "rounds.h"
 #include "scene_spatial.h"
 
 enum { MAX_LAYERS = 4, IMAGE = 6, TARGETS = 32 };
@@ -216,7 +217,7 @@ static void rays_hit_the_nearest_of_all_rocks(void** state) {
   (void)state;
   random_stream r = {1};
   int hits = 0, rays = 0;
-  for (int round = 0; round < 60; ++round) {
+  for (int round = 0; round < ROUNDS(60, 5); ++round) {
     world w;
     make_world(&w, &r, 1 + random_below(&r, 3), 0);
     for (int i = 0; i < 15; ++i, ++rays) {
@@ -235,7 +236,7 @@ static void rays_are_right_far_from_the_origin(void** state) {
   (void)state;
   random_stream r = {2};
   int hits = 0;
-  for (int round = 0; round < 20; ++round) {
+  for (int round = 0; round < ROUNDS(20, 5); ++round) {
     world w;
     make_world(&w, &r, 2, 1e7);
     for (int i = 0; i < 10; ++i) {
@@ -245,14 +246,14 @@ static void rays_are_right_far_from_the_origin(void** state) {
     }
     destroy_world(&w);
   }
-  assert_true(hits > 40);
+  assert_true(hits > ROUNDS(40, 5));
 }
 
 static void a_ray_that_starts_in_a_rock_hits_it_at_once(void** state) {
   (void)state;
   random_stream r = {3};
   int tested = 0;
-  for (int round = 0; round < 20; ++round) {
+  for (int round = 0; round < ROUNDS(20, 5); ++round) {
     world w;
     make_world(&w, &r, 2, 0);
     all_rocks all = find_all(&w, w.middle);
@@ -280,7 +281,7 @@ static void a_ray_that_starts_in_a_rock_hits_it_at_once(void** state) {
     free(all.rocks);
     destroy_world(&w);
   }
-  assert_true(tested > 50);
+  assert_true(tested > ROUNDS(50, 5));
 }
 
 /* A hollow ball, rays from within: the way through the empty core is jumped. */
@@ -318,7 +319,7 @@ static void removed_rocks_are_not_hit_and_hidden_ones_are(void** state) {
   (void)state;
   random_stream r = {4};
   int removed = 0;
-  for (int round = 0; round < 40; ++round) {
+  for (int round = 0; round < ROUNDS(40, 5); ++round) {
     world w;
     make_world(&w, &r, 2, 0);
     double start[3], direction[3], last = 0;
@@ -341,7 +342,7 @@ static void removed_rocks_are_not_hit_and_hidden_ones_are(void** state) {
     check_ray(&w, start, direction, 1e6);
     destroy_world(&w);
   }
-  if (removed < 40) fail_msg("%d removed", removed);
+  if (removed < ROUNDS(40, 5)) fail_msg("%d removed", removed);
 }
 
 static void the_length_of_the_direction_does_not_matter(void** state) {
@@ -404,7 +405,7 @@ static void overlaps_are_those_of_all_rocks(void** state) {
   (void)state;
   random_stream r = {6};
   int some = 0, none = 0;
-  for (int round = 0; round < 60; ++round) {
+  for (int round = 0; round < ROUNDS(60, 5); ++round) {
     world w;
     make_world(&w, &r, 1 + random_below(&r, 3), round % 4 == 0 ? 1e7 : 0);
     for (int i = 0; i < 10; ++i) {
@@ -421,14 +422,14 @@ static void overlaps_are_those_of_all_rocks(void** state) {
     }
     destroy_world(&w);
   }
-  assert_true(some > 100 && none > 50);
+  assert_true(some > ROUNDS(100, 5) && none > ROUNDS(50, 5));
 }
 
 static void near_rocks_are_those_of_all_rocks(void** state) {
   (void)state;
   random_stream r = {7};
   int some = 0;
-  for (int round = 0; round < 60; ++round) {
+  for (int round = 0; round < ROUNDS(60, 5); ++round) {
     world w;
     make_world(&w, &r, 1 + random_below(&r, 3), round % 4 == 0 ? 1e7 : 0);
     if (round % 2) random_edits(&w, &r);
@@ -464,7 +465,7 @@ static void near_rocks_are_those_of_all_rocks(void** state) {
     }
     destroy_world(&w);
   }
-  assert_true(some > 100);
+  assert_true(some > ROUNDS(100, 5));
 }
 
 static void hulls_are_those_of_the_assets_in_metres(void** state) {

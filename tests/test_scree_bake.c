@@ -138,7 +138,7 @@ static void a_truncated_recipe_leaves_nothing_behind(void** state) {
 
 static void a_bake_writes_the_pack_and_the_report_and_says_nothing(void** state) {
   (void)state;
-  write_text("good.json", "{\"n\": 4, \"voxels_per_cell\": 6}", 30);
+  write_text("good.json", "{\"n\": 4, \"voxels_per_cell\": 6, \"proxies\": false}", 48);
   const uint32_t before = count_files();
   run_result result;
   run("good.json -o x.scree --set lod_levels=1 --set 'name=a \"stone\"' --threads 2 --report r.json", &result);
@@ -173,7 +173,7 @@ static void a_bake_writes_the_pack_and_the_report_and_says_nothing(void** state)
 /* A pipe stands for /dev/null, which root could replace by a file. */
 static void a_device_is_written_to_and_not_replaced(void** state) {
   (void)state;
-  write_text("good.json", "{\"n\": 4, \"voxels_per_cell\": 6}", 30);
+  write_text("good.json", "{\"n\": 4, \"voxels_per_cell\": 6, \"proxies\": false}", 48);
   assert_int_equal(mkfifo("pipe", 0600), 0);
   const int reader = open("pipe", O_RDONLY | O_NONBLOCK);
   assert_true(reader >= 0);
@@ -195,7 +195,7 @@ static void a_device_is_written_to_and_not_replaced(void** state) {
 /* As /dev/stdout is one, which root could replace. */
 static void a_link_is_written_through_and_not_replaced(void** state) {
   (void)state;
-  write_text("good.json", "{\"n\": 4, \"voxels_per_cell\": 6}", 30);
+  write_text("good.json", "{\"n\": 4, \"voxels_per_cell\": 6, \"proxies\": false}", 48);
   write_text("target.json", "old", 3);
   assert_int_equal(symlink("target.json", "link.json"), 0);
   run_result result;

@@ -11,6 +11,7 @@
 #include <cmocka.h>
 
 #include "failing_allocator.h"
+#include "rounds.h"
 #include "stream_host.h"
 #include "synthetic_field.h"
 
@@ -69,7 +70,7 @@ static void shown_rocks_and_levels_are_the_truth_at_a_thousand_checkpoints(void*
     host_create(&h, &desc, NULL);
     scree_view views[3] = {host_view(0, 3, 0), host_view(20, 3, 0), host_view(-5, 8, 30)};
     uint32_t count = 1;
-    for (uint32_t i = 0; i < 250; ++i) {
+    for (uint32_t i = 0; i < ROUNDS(250, 10); ++i) {
       for (uint32_t k = 0; k < 1 + i % 3; ++k) {
         move_views(&r, views, &count);
         host_update(&h, views, count);
@@ -81,7 +82,7 @@ static void shown_rocks_and_levels_are_the_truth_at_a_thousand_checkpoints(void*
     }
     host_destroy(&h);
   }
-  assert_int_equal(checkpoints, 1000);
+  assert_int_equal(checkpoints, ROUNDS(1000, 10));
   stream_world_free(&w);
 }
 
@@ -97,7 +98,7 @@ static void a_view_that_jumps_every_update_passes_no_cap(void** state) {
   stream_host h;
   host_create(&h, &desc, NULL);
   random_stream r = {5};
-  for (int i = 0; i < 3000; ++i) {
+  for (int i = 0; i < ROUNDS(3000, 10); ++i) {
     scree_view view = host_view(random_in(&r, -60, 60), random_in(&r, -10, 20), random_in(&r, -60, 60));
     host_update(&h, &view, 1);
     if (i % 100 == 0) host_check(&h);
@@ -414,7 +415,7 @@ static void a_far_field_passes_no_cap(void** state) {
     host_create(&h, &desc, NULL);
     random_stream r = {(uint64_t)round};
     scree_view view = host_view(0, 5, 0);
-    for (int i = 0; i < 800; ++i) {
+    for (int i = 0; i < ROUNDS(800, 5); ++i) {
       for (int a = 0; a < 3; a += 2) view.position[a] = i % 40 ? view.position[a] + random_in(&r, -2, 2) : random_in(&r, -70, 70);
       if (i % 50 == 10) assert_int_equal(scree_stream_edited(h.stream, NULL, 0), SCREE_OK);
       host_update(&h, &view, 1);

@@ -11,6 +11,7 @@
 #include <cmocka.h>
 
 #include "failing_allocator.h"
+#include "rounds.h"
 #include "scene_internal.h"
 #include "scene_layers.h"
 #include "stream_host.h"
@@ -352,7 +353,7 @@ static void twenty_thousand_updates_with_changes_neither_grow_nor_leak(void** st
   host_create(&h, &desc, &allocator);
   scree_view view = host_view(0, 5, 0);
   long long early = 0;
-  for (int i = 0; i < 20000; ++i) {
+  for (int i = 0; i < ROUNDS(20000, 5); ++i) {
     if (i % 37 == 0) edit_some(&w, &h, &r);
     if (i % 501 == 0) move_ball(&w, &h, &r);
     for (int a = 0; a < 3; ++a) {
@@ -361,7 +362,7 @@ static void twenty_thousand_updates_with_changes_neither_grow_nor_leak(void** st
     }
     host_update(&h, &view, 1);
     if (i % 1000 == 0) host_check(&h);
-    if (i == 10000) early = memory.live;
+    if (i == ROUNDS(10000, 5)) early = memory.live;
   }
   assert_true(memory.live <= early + early / 4); /* each of the builds may still meet a denser block */
   host_destroy(&h);

@@ -14,6 +14,7 @@
 #include "must_create.h"
 #include "query_kernel.h"
 #include "random_support.h"
+#include "rounds.h"
 
 static double square(double x) {
   return x * x;
@@ -336,7 +337,7 @@ static void tubes_follow_their_curve(void** state) {
   (void)state;
   random_stream r = {5};
   static random_support s;
-  for (int round = 0; round < 30; ++round) {
+  for (int round = 0; round < ROUNDS(30, 5); ++round) {
     random_leaf(&s, &r, SCREE_SHAPE_TUBE, 10);
     check_shape(&s.shapes[0], 6, 0.15, s.shapes[0].tube.half_height > 0 ? 0.3 : 0.5, &r);
   }
