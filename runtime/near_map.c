@@ -19,7 +19,8 @@ bool scree_rt_near_map_begin(near_map* map, scree_scratch* scratch, const double
     map->from[a] = (float)(low[a] - origin[a]);
   }
   map->step = step;
-  map->inverse = (float)(1 / step);
+  map->per_metre = 1 / step;
+  map->inverse = (float)map->per_metre;
   map->slack = step * 1e-3 + far * 2e-6;
   const size_t cells = (size_t)map->size[0] * (size_t)map->size[1] * (size_t)map->size[2];
   map->kinds = scree_rt_scratch_reserve(scratch, SCRATCH_NEAR, cells, 1);
@@ -30,7 +31,7 @@ bool scree_rt_near_map_begin(near_map* map, scree_scratch* scratch, const double
 
 /* Cells from .. to - 1 along an axis that a stretch of space reaches. */
 static void find_cells(const near_map* map, int axis, double low, double high, int32_t* from, int32_t* to) {
-  const double first = (low - map->low[axis]) / map->step, last = (high - map->low[axis]) / map->step;
+  const double first = (low - map->low[axis]) * map->per_metre, last = (high - map->low[axis]) * map->per_metre;
   const double end = (double)map->size[axis];
   /* Points beside the box count to its outermost cells. */
   *from = first < 1 ? 0 : first < end ? (int32_t)first : map->size[axis] - 1;

@@ -11,7 +11,7 @@
 typedef struct near_map {
   uint8_t* kinds; /* in the scratch: bits of each cell, x fastest */
   int32_t size[3];
-  double low[3], step, slack;
+  double low[3], step, per_metre, slack;
   float from[3], inverse; /* the same, for points in floats relative to `origin` */
 } near_map;
 

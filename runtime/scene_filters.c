@@ -115,7 +115,8 @@ double scree_rt_arc_degrees(double t) {
   if (steep) t = 1 / t;
   for (int i = 0; i < 2; ++i) t = t / (1 + sqrt(1 + t * t));
   double square = t * t, sum = 0;
-  for (int k = 21; k >= 1; k -= 2) sum = 1.0 / k - square * sum;
+  static const double odd[] = {1.0 / 21, 1.0 / 19, 1.0 / 17, 1.0 / 15, 1.0 / 13, 1.0 / 11, 1.0 / 9, 1.0 / 7, 1.0 / 5, 1.0 / 3, 1};
+  for (size_t k = 0; k < sizeof odd / sizeof *odd; ++k) sum = odd[k] - square * sum;
   double degrees = 4 * t * sum * 57.295779513082320877;
   return steep ? 90 - degrees : degrees;
 }
@@ -140,9 +141,18 @@ double scree_rt_filter_mask(const scree_filter* f, double x, double z) {
   return f->inverted ? 1 - part : part;
 }
 
+/* The number from 0 up to 1 that a rock draws: it exists where its share is more. Another seed than scree_world_hash has: what is
+ * thinned out says nothing about colours. */
+static double draw(const scree_field* field, const int32_t cube[3], uint32_t local) {
+  uint64_t hash = hash_corner(field->seed ^ UINT64_C(0xd1b54a32d192ed03), cube[0], cube[1], cube[2]);
+  return (double)(hash_combine(hash, local) >> 11) * 0x1p-53;
+}
+
 bool scree_rt_scene_passes_at(const scene_layer* layer, const double at[3], const int32_t cube[3], uint32_t local, bool planar) {
   const scree_field* field = layer->given.field;
   double share = layer->density;
+  /* Filters only take away, but for rounding. */
+  if (share < 1 && draw(field, cube, local) >= share * (1 + 1e-9)) return false;
   for (uint32_t i = 0; i < layer->given.filter_count && share > 0; ++i) {
     const scree_filter* f = &layer->given.filters[i];
     double part;
@@ -160,9 +170,7 @@ bool scree_rt_scene_passes_at(const scene_layer* layer, const double at[3], cons
     share *= f->inverted ? 1 - part : part;
   }
   if (!(share > 0 && share < 1)) return share >= 1; /* as every number from 0 up to 1 would say */
-  /* Another seed than scree_world_hash has: what is thinned out says nothing about colours. */
-  uint64_t hash = hash_corner(field->seed ^ UINT64_C(0xd1b54a32d192ed03), cube[0], cube[1], cube[2]);
-  return (double)(hash_combine(hash, local) >> 11) * 0x1p-53 < share;
+  return draw(field, cube, local) < share;
 }
 
 bool scree_rt_scene_passes(const scene_layer* layer, const scree_id* id) {

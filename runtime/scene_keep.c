@@ -277,6 +277,16 @@ static bool settle(open_pairs* open, seeker* s, const scene_layer* other) {
   return met;
 }
 
+/* Asks the deepest alone. */
+static bool settle_deepest(open_pairs* open, seeker* s, const scene_layer* other) {
+  if (open->count == 0) return false;
+  if (hulls_meet(s, other, open->rocks[open->deepest])) return true;
+  open->rocks[open->deepest] = open->rocks[--open->count];
+  open->deepest = 0;
+  open->depth = INFINITY; /* whichever comes next goes before those that are left */
+  return false;
+}
+
 /* Where and among which rocks of a layer a seeker looks: all in floats, a little too wide. */
 typedef struct first_look {
   ball_arrays balls;
@@ -319,15 +329,30 @@ static double away_from_cell(const layer_rocks* rocks, uint32_t i, double at) {
   return at < low ? low - at : at > high ? at - high : 0;
 }
 
+/* Looks at the rocks in row (y, z) of a layer's cells that a seeker may reach. at: relative to cell_low. */
+static inline bool look_along_row(const scene_question* q, const layer_rocks* rocks, uint32_t y, uint32_t z, const double at[3],
+                                  double reach, const first_look* look, open_pairs* open, seeker* s, const scene_layer* layer) {
+  const double away_y = away_from_cell(rocks, y, at[1]), away_z = away_from_cell(rocks, z, at[2]);
+  const double left2 = reach * reach - away_z * away_z - away_y * away_y;
+  if (left2 < 0) return false;
+  const double half = sqrt(left2);
+  const kept_rock* kept = (const kept_rock*)q->scratch->buffers[SCRATCH_KEPT].memory + rocks->kept_first;
+  const uint32_t* starts = (const uint32_t*)q->scratch->buffers[SCRATCH_KEPT_STARTS].memory + rocks->start_first;
+  const uint32_t* row = starts + (size_t)(z * rocks->cell_count[1] + y) * rocks->cell_count[0];
+  const uint32_t from = row[cell_along(rocks, 0, at[0] - half)], end = row[cell_along(rocks, 0, at[0] + half) + 1];
+  return look_at(open, s, layer, kept, look, from, end);
+}
+
 static bool meets_layer(const scene_question* q, seeker* s, uint32_t index) {
   const scene_layer* layer = &q->scene->layers[index];
   const layer_rocks* rocks = &q->layers[index];
-  const kept_rock* kept = (const kept_rock*)q->scratch->buffers[SCRATCH_KEPT].memory + rocks->kept_first;
-  const uint32_t* starts = (const uint32_t*)q->scratch->buffers[SCRATCH_KEPT_STARTS].memory + rocks->start_first;
   open_pairs open;
   open.count = 0;
   const first_look look = begin_look(q, s, rocks);
-  if (rocks->kept_count <= FEW_ROCKS) return look_at(&open, s, layer, kept, &look, 0, rocks->kept_count) || settle(&open, s, layer);
+  if (rocks->kept_count <= FEW_ROCKS) {
+    const kept_rock* kept = (const kept_rock*)q->scratch->buffers[SCRATCH_KEPT].memory + rocks->kept_first;
+    return look_at(&open, s, layer, kept, &look, 0, rocks->kept_count) || settle(&open, s, layer);
+  }
   const double reach = (s->rock.radius + layer->rock_radius) * 1.000001 + rocks->cell_slack;
   double at[3];
   uint32_t low[3], high[3];
@@ -336,17 +361,12 @@ static bool meets_layer(const scene_question* q, seeker* s, uint32_t index) {
     low[a] = cell_along(rocks, a, at[a] - reach);
     high[a] = cell_along(rocks, a, at[a] + reach);
   }
-  for (uint32_t z = low[2]; z <= high[2]; ++z) {
-    const double away_z = away_from_cell(rocks, z, at[2]);
-    for (uint32_t y = low[1]; y <= high[1]; ++y) {
-      const double away_y = away_from_cell(rocks, y, at[1]), left2 = reach * reach - away_z * away_z - away_y * away_y;
-      if (left2 < 0) continue;
-      const double half = sqrt(left2);
-      const uint32_t* row = starts + (size_t)(z * rocks->cell_count[1] + y) * rocks->cell_count[0];
-      const uint32_t from = row[cell_along(rocks, 0, at[0] - half)], end = row[cell_along(rocks, 0, at[0] + half) + 1];
-      if (look_at(&open, s, layer, kept, &look, from, end)) return true;
-    }
-  }
+  /* First the row that the seeker stands in: it is likely to meet one of that, and then the others do not matter. */
+  const uint32_t own_y = cell_along(rocks, 1, at[1]), own_z = cell_along(rocks, 2, at[2]);
+  if (look_along_row(q, rocks, own_y, own_z, at, reach, &look, &open, s, layer) || settle_deepest(&open, s, layer)) return true;
+  for (uint32_t z = low[2]; z <= high[2]; ++z)
+    for (uint32_t y = low[1]; y <= high[1]; ++y)
+      if ((y != own_y || z != own_z) && look_along_row(q, rocks, y, z, at, reach, &look, &open, s, layer)) return true;
   return settle(&open, s, layer);
 }
 
