@@ -7,6 +7,7 @@
 #include "lattice.h"
 #include "support_text.h"
 #include "weather_counts.h"
+#include "weather_kernels.h"
 #include "weather_rules.h"
 #include "weather_start.h"
 
@@ -153,6 +154,7 @@ scree_result scree_weather_create(const scree_weather_desc* desc, scree_weather*
   if (w == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
   w->allocator = allocator;
   w->jobs = desc->jobs;
+  w->kernels = weather_kernels_choose();
   w->memory_limit = (size_t)(limit < SIZE_MAX ? limit : SIZE_MAX);
   w->seed = desc->start.seed;
   memcpy(w->size, desc->start.size, sizeof w->size);

@@ -1,20 +1,16 @@
 /* Colluvium: grains slide down the steepest of eight slopes while that is steeper than their angle of repose, fall, and rest.
  *
- * Slopes between voxels are whole numbers of voxels, angles of repose are not. So each column lets a grain rest over a drop of the
- * whole part of tan(repose) or one more, by a low-discrepancy sequence of its place: on average, and over any few neighbours, the
- * slope is that of repose, whatever the angle. (A fixed threshold gives slopes of 0, 45 or 63 degrees; looking two cells ahead adds
- * only 27.) */
+ * A grain that rests makes its column one voxel higher: the step down to a column `far` cells away is then the drop to it plus one.
+ * Steps are whole numbers of voxels, tangents are not, and a step of one over one cell is 45 degrees. So a grain looks as many
+ * cells ahead as it takes for a whole step to have the right slope, within 6 %: 2 over 3 for 35 degrees. Nearer cells may be as far
+ * below as on any line of that slope. (Thresholds that vary from column to column have the right mean, but slopes follow the
+ * lowest.) */
 #include "weather_counts.h"
 #include "weather_step.h"
 
-enum { DROP_LOOK = 16 }; /* voxels down a column that a grain sees: more than any angle of repose allows */
+enum { DROP_LOOK = 32 }; /* voxels down a column that a grain sees: more than any angle of repose allows */
 
 static const int32_t ways[8][2] = {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}};
-
-/* In 1/65536: Roberts' R2 sequence over two indices. */
-static uint32_t repose_share(uint32_t x, uint32_t z) {
-  return (x * UINT32_C(0xc13fa9a9) + z * UINT32_C(0x91e10da5)) >> 16;
-}
 
 static bool filled(const scree_weather* w, uint32_t x, uint32_t y, uint32_t z) {
   const size_t at = weather_row(w, (int32_t)y, (int32_t)z) + x / 64;
@@ -35,6 +31,25 @@ static int32_t drop_to(const scree_weather* w, int32_t x, uint32_t y, int32_t z)
   return drop;
 }
 
+/* Where a grain would slide: steps^2 / cells^2 is the square of the slope. */
+typedef struct slope {
+  int32_t way, far;
+  int64_t steps, cells;
+} slope;
+
+static void look(const scree_weather* w, uint32_t x, uint32_t y, uint32_t z, int32_t way, slope* best) {
+  const int32_t diagonal = way & 1;
+  const weather_repose* repose = &w->tables->repose[diagonal];
+  for (int32_t far = 1; far <= repose->look; ++far) {
+    const int32_t drop = drop_to(w, (int32_t)x + far * ways[way][0], y, (int32_t)z + far * ways[way][1]);
+    if (drop < 0) return;
+    if (drop == 0 || drop + 1 <= repose->steps[far]) continue;
+    const int64_t steps = (int64_t)(drop + 1) * (drop + 1), cells = (int64_t)far * far * (1 + diagonal);
+    if (steps * best->cells > best->steps * cells) *best = (slope){way, far, steps, cells};
+    return;
+  }
+}
+
 /* Returns whether the grain came to rest in the grid. */
 static bool slide(scree_weather* w, uint32_t x, uint32_t y, uint32_t z, uint32_t random) {
   /* Grains before it may have come to lie at its place: it starts on top of them, if there is room. */
@@ -43,22 +58,12 @@ static bool slide(scree_weather* w, uint32_t x, uint32_t y, uint32_t z, uint32_t
   if (filled(w, x, y, z)) return false;
   y = fall(w, x, y, z);
   for (;;) {
-    const uint32_t share = repose_share(x, z);
-    int32_t steepest = 0; /* square of the slope, twice */
-    const int32_t* way = NULL;
-    for (uint32_t i = 0; i < 8; ++i) {
-      const uint32_t k = (random + i) & 7, diagonal = k & 1;
-      const int32_t drop = drop_to(w, (int32_t)x + ways[k][0], y, (int32_t)z + ways[k][1]);
-      if (drop <= (int32_t)((w->tables->repose[diagonal] + share) >> 16)) continue;
-      const int32_t slope = drop * drop * (diagonal != 0 ? 1 : 2);
-      if (slope <= steepest) continue;
-      steepest = slope;
-      way = ways[k];
-    }
-    if (way == NULL) break;
-    x += (uint32_t)way[0];
-    z += (uint32_t)way[1];
-    if (x >= w->size[0] || z >= w->size[2]) return false; /* -1 too */
+    slope best = {-1, 0, 0, 1};
+    for (uint32_t i = 0; i < 8; ++i) look(w, x, y, z, (int32_t)((random + i) & 7), &best);
+    if (best.way < 0) break;
+    x += (uint32_t)(best.far * ways[best.way][0]);
+    z += (uint32_t)(best.far * ways[best.way][1]);
+    if (x >= w->size[0] || z >= w->size[2]) return false; /* less than 0, too */
     y = fall(w, x, y, z);
     random = random >> 3 | random << 29;
   }

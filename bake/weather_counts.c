@@ -124,16 +124,22 @@ void weather_clear_counts(scree_weather* w) {
   weather_parallel(w, w->bricks[2], clear_slab, w);
 }
 
-/* Runs of set bits of one word, scattered. */
-static void scatter_word(const scree_weather* w, const weather_kernels* kernels, uint64_t word, uint32_t x, uint32_t y, uint32_t z,
-                         uint32_t low, uint32_t high, int32_t sign) {
-  while (word != 0) {
-    const uint32_t first = (uint32_t)__builtin_ctzll(word);
-    const uint64_t rest = ~(word >> first);
-    const uint32_t length = rest == 0 ? 64 : (uint32_t)__builtin_ctzll(rest);
-    kernels->scatter(w, x + first, length, (int32_t)y, (int32_t)z, (int32_t)low, (int32_t)high, sign);
-    if (first + length >= 64) return;
-    word &= ~(uint64_t)0 << (first + length);
+/* The first set bit, or with `flip` all bits the first clear one, from `at` on; the end of the words where there is none. */
+static uint32_t find_bit(const uint64_t* bits, uint32_t words, uint32_t at, uint64_t flip) {
+  for (uint32_t i = at / 64; i < words; ++i) {
+    const uint64_t word = (bits[i] ^ flip) & (i == at / 64 ? ~(uint64_t)0 << (at % 64) : ~(uint64_t)0);
+    if (word != 0) return i * 64 + (uint32_t)__builtin_ctzll(word);
+  }
+  return words * 64;
+}
+
+/* All runs of set bits of a row. */
+static void scatter_row(const scree_weather* w, const uint64_t* bits, uint32_t y, uint32_t z, uint32_t low, uint32_t high,
+                        int32_t sign) {
+  for (uint32_t x = find_bit(bits, w->words, 0, 0); x < w->words * 64;) {
+    const uint32_t end = find_bit(bits, w->words, x, ~(uint64_t)0);
+    w->kernels->scatter(w, x, end - x, (int32_t)y, (int32_t)z, (int32_t)low, (int32_t)high, sign);
+    x = find_bit(bits, w->words, end, 0);
   }
 }
 
@@ -141,7 +147,6 @@ static void scatter_word(const scree_weather* w, const weather_kernels* kernels,
 static void scatter_slab(void* context, uint32_t slab, uint32_t worker) {
   (void)worker;
   const scree_weather* w = context;
-  const weather_kernels* kernels = weather_kernels_choose();
   uint32_t low, high;
   slab_of(w, slab, &low, &high);
   const uint32_t reach = (uint32_t)w->tables->reach;
@@ -150,12 +155,14 @@ static void scatter_slab(void* context, uint32_t slab, uint32_t worker) {
     for (uint32_t y = 0; y < w->size[1]; ++y) {
       if (*weather_row_flag(w, y, z) == 0) continue;
       const size_t row = weather_row(w, (int32_t)y, (int32_t)z);
+      uint64_t gone[65], come[65], any_gone = 0, any_come = 0;
       for (uint32_t i = 0; i < w->words; ++i) {
         const uint64_t now = w->rock[row + i] | w->colluvium[row + i], before = w->solid[row + i];
-        if (now == before) continue;
-        scatter_word(w, kernels, before & ~now, i * 64, y, z, low, high, 1);
-        scatter_word(w, kernels, now & ~before, i * 64, y, z, low, high, -1);
+        any_gone |= gone[i] = before & ~now;
+        any_come |= come[i] = now & ~before;
       }
+      if (any_gone != 0) scatter_row(w, gone, y, z, low, high, 1);
+      if (any_come != 0) scatter_row(w, come, y, z, low, high, -1);
     }
 }
 

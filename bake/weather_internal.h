@@ -43,6 +43,12 @@ typedef struct weather_layer {
   double mixture_period;
 } weather_layer;
 
+/* The largest steps that colluvium rests over. */
+typedef struct weather_repose {
+  int32_t look;      /* cells that a grain looks ahead */
+  int32_t steps[17]; /* [cells ahead] voxels */
+} weather_repose;
+
 /* All that follows from rules. set_rules makes a new one and swaps it in as a whole. */
 typedef struct weather_tables {
   size_t bytes; /* of the one allocation that all of it lies in */
@@ -51,17 +57,18 @@ typedef struct weather_tables {
   float* rates; /* share of life * WEATHER_FULL at durability 1 and one exposed face, for each bubble and count */
   scree_durability_point* points;
   uint32_t bubble_count, rate_count, point_count;
-  int32_t reach;      /* the largest of all bubbles' */
-  bool mixed;         /* some layer has a mixture */
-  float exposure[8];  /* k^e */
-  uint64_t share;     /* a removed voxel of rock becomes colluvium when the top 32 bits of its hash are below this */
-  uint32_t repose[2]; /* voxels that a grain may drop from cell to cell, along an axis and along a diagonal, in 1/65536 */
+  int32_t reach;            /* the largest of all bubbles' */
+  bool mixed;               /* some layer has a mixture */
+  float exposure[8];        /* k^e */
+  uint64_t share;           /* a removed voxel of rock becomes colluvium when the top 32 bits of its hash are below this */
+  weather_repose repose[2]; /* along an axis, along a diagonal */
   scree_rockfall rockfall;
 } weather_tables;
 
 struct scree_weather {
   scree_allocator allocator;
   scree_jobs jobs;
+  const struct weather_kernels* kernels; /* tests put others in */
   size_t memory_limit;
   uint64_t seed;
   uint32_t size[3];

@@ -18,7 +18,7 @@ typedef uint16_t vhalf __attribute__((vector_size(2 * LANES)));
 /* Bit i of the low byte to all bits of lane i. */
 static inline vint lanes_of(uint64_t bits) {
   const vint each = {1, 2, 4, 8, 16, 32, 64, 128};
-  return (v_set_int((int32_t)(bits & 255)) & each) != v_set_int(0);
+  return (v_set_int((int32_t)bits) & each) == each;
 }
 
 /* table[index], lane by lane, of a table of eight. */
@@ -247,7 +247,11 @@ static inline void add_span(uint16_t* to, const span_set* spans, int32_t half) {
   add_lanes(to - half, spans->lanes[half][0]);
   if (total <= SPAN) return;
   add_lanes(to - half + SPAN, spans->lanes[half][1]);
-  for (int32_t at = 2 * SPAN; at < total; at += SPAN) add_lanes(to - half + at, span_lanes(spans->length, half, at, spans->sign));
+  if (total <= 2 * SPAN) return;
+  /* A long run: its bubble rows are full but for the two ends. */
+  const vcount full = (vcount)((((vshort){0} + (int16_t)(2 * half + 1)) ^ spans->sign) - spans->sign);
+  for (int32_t at = 2 * SPAN; at < total; at += SPAN)
+    add_lanes(to - half + at, at + SPAN <= spans->length ? full : span_lanes(spans->length, half, at, spans->sign));
 }
 
 /* The same where neighbours in a row look through different bubbles: only those with bubble number `which` of the mixture. */

@@ -218,6 +218,19 @@ static double power_of(double k, double e) {
   return result;
 }
 
+/* The nearest cell over which a whole step is within 6 % of the slope, or else the best. */
+static void make_repose(double slope, weather_repose* out) {
+  double least = 1e30;
+  for (int32_t far = 1; far <= 16 && least > 0.06 * slope; ++far) {
+    const double step = floor(slope * far + 0.5), error = fabs(step / far - slope);
+    if (step < 1 || error >= least) continue;
+    least = error;
+    out->look = far;
+    out->steps[far] = (int32_t)step;
+  }
+  for (int32_t far = 1; far < out->look; ++far) out->steps[far] = (int32_t)ceil(slope * far);
+}
+
 /* --- layers ------------------------------------------------------------------------------------------------------------------ */
 
 static void make_layer(const scree_weather_rules* rules, uint8_t index[64][4], double altitude, weather_layer* out) {
@@ -327,8 +340,8 @@ scree_result weather_tables_create(const scree_weather_rules* rules, const uint3
   }
   for (uint32_t k = 1; k <= 6; ++k) t->exposure[k] = (float)power_of(k, rules->exposure);
   t->share = (uint64_t)ceil(rules->colluvium_share * 4294967296.0);
-  t->repose[0] = (uint32_t)(rules->repose * 65536 + 0.5);
-  t->repose[1] = (uint32_t)(rules->repose * sqrt(2) * 65536 + 0.5);
+  make_repose(rules->repose, &t->repose[0]);
+  make_repose(rules->repose * sqrt(2), &t->repose[1]);
   t->rockfall = rules->rockfall;
   *out = t;
   return SCREE_OK;

@@ -6,10 +6,9 @@
 static void sweep_slab(void* context, uint32_t slab, uint32_t worker) {
   (void)worker;
   scree_weather* w = context;
-  const weather_kernels* kernels = weather_kernels_choose();
   const uint32_t low = slab * WEATHER_BRICK, high = w->size[2] - low < WEATHER_BRICK ? w->size[2] : low + WEATHER_BRICK;
   w->tally[slab] = (weather_tally){0, 0, 0};
-  for (uint32_t z = low; z < high; ++z) kernels->sweep(w, z, weather_step_key(w), &w->tally[slab]);
+  for (uint32_t z = low; z < high; ++z) w->kernels->sweep(w, z, weather_step_key(w), &w->tally[slab]);
 }
 
 static void step(scree_weather* w) {

@@ -208,33 +208,50 @@ static int32_t fall(const weather_twin* t, int32_t x, int32_t y, int32_t z) {
   return y;
 }
 
+/* Over how many cells a whole number of voxels has a slope within 6 % of the tangent; at most 16, then the best. */
+static int32_t cells_ahead(double tangent) {
+  int32_t best = 0;
+  for (int32_t far = 1; far <= 16; ++far) {
+    const double step = floor(tangent * far + 0.5), error = fabs(step / far - tangent);
+    if (step < 1) continue;
+    if (error <= 0.06 * tangent) return far;
+    if (best == 0 || error < fabs(floor(tangent * best + 0.5) / best - tangent)) best = far;
+  }
+  return best;
+}
+
 static void settle(weather_twin* t, int32_t x, int32_t y, int32_t z, uint32_t random) {
   static const int32_t ways[8][2] = {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}};
   while (y < t->size[1] && t->voxels[place(t, x, y, z)] == SCREE_VOXEL_COLLUVIUM) ++y; /* grains lie where it was */
   if (y == t->size[1] || t->voxels[place(t, x, y, z)] == SCREE_VOXEL_ROCK) return;
   y = fall(t, x, y, z);
   for (;;) {
-    /* Which drops are allowed alternates from column to column, so that the mean is the angle of repose. */
-    const double share = (double)(((uint32_t)x * UINT32_C(0xc13fa9a9) + (uint32_t)z * UINT32_C(0x91e10da5)) >> 16) / 65536;
-    int32_t best = -1;
-    double steepest = 0;
+    int32_t best = -1, distance = 0;
+    int64_t steepest[2] = {0, 1};
     for (uint32_t i = 0; i < 8; ++i) {
-      const uint32_t k = (random + i) % 8;
-      const int32_t nx = x + ways[k][0], nz = z + ways[k][1];
-      if (!is_air(t, t->voxels, nx, y, nz)) continue;
-      int32_t drop = 0;
-      while (drop < 16 && is_air(t, t->voxels, nx, y - 1 - drop, nz)) ++drop;
-      const double tangent = floor((k % 2 == 0 ? t->rules.repose : t->rules.repose * sqrt(2)) * 65536 + 0.5) / 65536;
-      if (drop <= floor(tangent + share)) continue;
-      const double slope = k % 2 == 0 ? (double)drop * drop : (double)drop * drop / 2;
-      if (slope > steepest) {
-        steepest = slope;
-        best = (int32_t)k;
+      const int32_t k = (int32_t)((random + i) % 8);
+      const double tangent = k % 2 == 0 ? t->rules.repose : t->rules.repose * sqrt(2);
+      const int32_t look = cells_ahead(tangent);
+      for (int32_t far = 1; far <= look; ++far) {
+        const int32_t nx = x + far * ways[k][0], nz = z + far * ways[k][1];
+        if (!is_air(t, t->voxels, nx, y, nz)) break;
+        int32_t drop = 0;
+        while (drop < 32 && is_air(t, t->voxels, nx, y - 1 - drop, nz)) ++drop;
+        /* With the grain the column is one higher. */
+        if (drop == 0 || drop + 1 <= (far == look ? floor(tangent * far + 0.5) : ceil(tangent * far))) continue;
+        const int64_t up = (int64_t)(drop + 1) * (drop + 1), across = (int64_t)far * far * (k % 2 == 0 ? 1 : 2);
+        if (up * steepest[1] > steepest[0] * across) {
+          steepest[0] = up;
+          steepest[1] = across;
+          best = k;
+          distance = far;
+        }
+        break;
       }
     }
     if (best < 0) break;
-    x += ways[best][0];
-    z += ways[best][1];
+    x += distance * ways[best][0];
+    z += distance * ways[best][1];
     if (!in_grid(t, x, 0, z)) return;
     y = fall(t, x, y, z);
     random = random >> 3 | random << 29;
