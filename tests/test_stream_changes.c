@@ -27,6 +27,7 @@ typedef struct changing_world {
   scree_shape shapes[LAYERS][BALLS + 1];
   scree_support* supports[LAYERS];
   float density[LAYERS];
+  float shell; /* of all layers */
   uint32_t layer_count;
   scree_scene* scene;
   scree_edits* edits;
@@ -42,7 +43,11 @@ static scree_support* make_support(changing_world* w, uint32_t layer) {
 static scree_scene* make_scene(changing_world* w) {
   scree_layer layers[LAYERS] = {{0}};
   for (uint32_t k = 0; k < w->layer_count; ++k)
-    layers[k] = (scree_layer){.field = w->fields[k], .support = w->supports[k], .key = (uint16_t)(k + 1), .density = w->density[k]};
+    layers[k] = (scree_layer){.field = w->fields[k],
+                              .support = w->supports[k],
+                              .key = (uint16_t)(k + 1),
+                              .density = w->density[k],
+                              .shell_depth = w->shell};
   scree_scene_desc desc = {layers, w->layer_count};
   scree_scene* scene;
   assert_int_equal(scree_scene_create(&desc, NULL, &scene, NULL), SCREE_OK);
@@ -159,6 +164,42 @@ static void changes_end_in_the_truth(void** state) {
     }
     host_destroy(&h);
   }
+  world_free(&w);
+}
+
+/* A hole that wanders through a ball: rocks of its shell, far from it, come and go. */
+static void shells_follow_a_support_that_changes(void** state) {
+  (void)state;
+  static const uint32_t two[] = {1, 2};
+  random_stream r = {37};
+  changing_world w;
+  world_make(&w, &r);
+  w.layer_count = 1;
+  w.shell = 8;
+  w.shapes[0][0] = (scree_shape){.kind = SCREE_SHAPE_DIFFERENCE, .group = {two, 2, 0}};
+  w.shapes[0][1] = (scree_shape){.kind = SCREE_SHAPE_SPHERE, .sphere = {16}};
+  w.shapes[0][2] = (scree_shape){.kind = SCREE_SHAPE_SPHERE, .sphere = {1}};
+  scree_stream_desc desc = describe(&w);
+  desc.caps.instances = 80000;
+  stream_host h;
+  for (int i = 0; i < 25; ++i) {
+    for (int a = 0; a < 3; ++a) w.shapes[0][2].transform.translation[a] = (float)random_in(&r, -7, 7);
+    scree_support* old = w.supports[0];
+    scree_support_desc support = {.shapes = w.shapes[0], .shape_count = 3};
+    assert_int_equal(scree_support_create(&support, NULL, &w.supports[0], NULL), SCREE_OK);
+    if (i == 0) {
+      scree_scene_destroy(w.scene);
+      desc.scene = w.scene = make_scene(&w);
+      host_create(&h, &desc, NULL);
+      scree_support_destroy(old);
+    } else {
+      hand_over(&w, &h, old);
+    }
+    scree_view view = host_view(0, 5, 0);
+    host_settle(&h, &view, 1, 500);
+    host_check_truth(&h, &view, 1, true);
+  }
+  host_destroy(&h);
   world_free(&w);
 }
 
@@ -425,6 +466,7 @@ static void a_change_of_scene_survives_every_allocation_that_fails(void** state)
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(changes_end_in_the_truth),
+      cmocka_unit_test(shells_follow_a_support_that_changes),
       cmocka_unit_test(layers_come_and_go),
       cmocka_unit_test(a_change_of_scene_survives_every_allocation_that_fails),
       cmocka_unit_test(an_edit_sends_only_the_blocks_it_touches),
