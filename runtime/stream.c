@@ -65,7 +65,7 @@ static void init_lists(scree_stream* s) {
   scree_rt_stream_watch_init(s);
   s->view_limit = s->desc.view_distance;
   s->split_scale = s->mesh_scale = 1;
-  s->relax_travel = s->mesh_relax_travel = -INFINITY;
+  s->room_bound = s->mesh_bound = (stream_bound){-INFINITY, -INFINITY, -INFINITY};
   scree_rt_ranges_init(&s->ranges, s->desc.caps.instances, s->range_words);
   for (uint32_t i = 0; i < s->ranges.units; ++i) s->owners[i] = STREAM_NONE;
 }

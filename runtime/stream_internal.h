@@ -210,6 +210,13 @@ typedef struct stream_view {
   uint32_t plane_count;
 } stream_view;
 
+/* When a bound may be relaxed: travels. */
+typedef struct stream_bound {
+  double wait;    /* not before this while views move */
+  double relaxed; /* up to here it counts as relaxed not long ago */
+  double refused; /* that was too much: not before this */
+} stream_bound;
+
 /* A node that shall be built, and how soon: the least first. */
 typedef struct stream_want {
   double order;
@@ -266,7 +273,7 @@ struct scree_stream {
   double split_scale; /* >= 1: proxies may be so much coarser */
   double mesh_scale;  /* >= 1: levels may be so much coarser */
   bool short_of_room, short_of_meshes;
-  double relax_travel, mesh_relax_travel; /* bounds are not relaxed before */
+  stream_bound room_bound, mesh_bound;
 
   /* Blocks. */
   stream_block* blocks;

@@ -574,39 +574,54 @@ static void end_leaving(scree_stream* s) {
     if (s->blocks[s->fading[i]].leaving && scree_rt_stream_can_send(s, 1, 0)) scree_rt_stream_block_out(s, s->fading[i]);
 }
 
-/* When a cap binds, what is farthest gives way: first to proxies, then altogether. When there is room again, it comes back; but not
- * until the views have moved if it was too much the last time. */
+/* Whether what gave way under a cap may come back by a step: a little after the last one, or as soon as everything is there while
+ * the views stand still; but not there where that was too much before. */
+static bool may_relax(const scree_stream* s, const stream_bound* b) {
+  bool settled = s->pending == 0 && s->build_queue.count == 0 && s->decodes_under_way == 0;
+  return s->travel >= b->wait || (settled && s->travel >= b->refused);
+}
+
+static void tightened(const scree_stream* s, stream_bound* b) {
+  b->wait = s->travel + s->view_limit * 0.02;
+  if (s->travel < b->relaxed) b->refused = b->wait;
+}
+
+static void relaxed(const scree_stream* s, stream_bound* b) {
+  b->wait = s->travel + s->view_limit * 0.01; /* what was let in by the last step is there by then */
+  b->relaxed = s->travel + s->view_limit * 0.02;
+}
+
+/* When a cap binds, what is farthest gives way: first to proxies, then altogether. When there is room again, it comes back. */
 static void bound(scree_stream* s) {
   const double step = 1.03, relax = 1.02, most = 64;
   const scree_stream_caps* caps = &s->desc.caps;
-  bool moved = s->travel >= s->relax_travel;
   if (s->short_of_room) {
-    s->relax_travel = s->travel + s->view_limit * 0.02;
+    tightened(s, &s->room_bound);
     end_leaving(s);
     if (has_far_field(s) && s->split_scale < most)
       s->split_scale *= step;
     else
       s->view_limit /= step;
     s->revisit_next = true;
-  } else if (moved && (s->split_scale > 1 || s->view_limit < s->desc.view_distance)) {
+  } else if ((s->split_scale > 1 || s->view_limit < s->desc.view_distance) && may_relax(s, &s->room_bound)) {
     bool room = s->ranges.free_units > s->ranges.units / 8 && s->blocks_used - s->blocks_free < caps->blocks - caps->blocks / 8;
     if (room) {
       if (s->view_limit < s->desc.view_distance)
         s->view_limit = fmin(s->view_limit * relax, s->desc.view_distance);
       else
         s->split_scale = fmax(s->split_scale / relax, 1);
-      s->relax_travel = s->travel + s->view_limit * 0.01; /* what was let in by the last step is there by then */
+      relaxed(s, &s->room_bound);
       s->revisit_next = true;
     }
   }
   if (s->short_of_meshes) {
-    s->mesh_relax_travel = s->travel + s->view_limit * 0.02;
+    tightened(s, &s->mesh_bound);
     if (s->mesh_scale < 1e6) s->mesh_scale *= step;
     s->revisit_next = true;
-  } else if (s->mesh_scale > 1 && s->travel >= s->mesh_relax_travel &&
+  } else if (s->mesh_scale > 1 && may_relax(s, &s->mesh_bound) &&
              s->mesh_bytes - s->idle_bytes < caps->mesh_bytes - caps->mesh_bytes / 8) {
     s->mesh_scale = fmax(s->mesh_scale / relax, 1);
-    s->mesh_relax_travel = s->travel + s->view_limit * 0.01;
+    relaxed(s, &s->mesh_bound);
     s->revisit_next = true;
   }
 }

@@ -143,6 +143,38 @@ static void views_far_apart_find_what_they_would_alone(void** state) {
   stream_world_free(&w);
 }
 
+static void what_a_cap_took_comes_back_while_the_views_stand(void** state) {
+  (void)state;
+  stream_world w;
+  stream_world_make(&w, &(stream_world_desc){0});
+  scree_stream_desc desc = {.scene = w.scene,
+                            .view_distance = 30,
+                            .max_error_pixels = 12,
+                            .no_far_field = true,
+                            .caps = {.instances = 4000, .mesh_bytes = 3500000},
+                            .decode = stream_decode_pattern};
+  stream_host h;
+  host_create(&h, &desc, NULL);
+  scree_view views[2] = {host_view(0, 3, 0), host_view(-88, 3, 0)}; /* amid the rocks; where few are near */
+  scree_stream_stats stats;
+  for (int round = 0; round < 3; ++round) {
+    for (int i = 0; i < 1000; ++i) host_update(&h, &views[0], 1);
+    scree_stream_get_stats(h.stream, &stats);
+    assert_true(stats.degraded > 0 && stats.instances > 2000);
+    for (int i = 0; i < 50; ++i) { /* it does not come and go */
+      host_update(&h, &views[0], 1);
+      assert_int_equal(h.events, 0);
+    }
+    for (int i = 0; i < 1000; ++i) host_update(&h, &views[1], 1);
+    scree_stream_get_stats(h.stream, &stats);
+    assert_int_equal(stats.degraded, 0);
+    assert_true(stats.covered == desc.view_distance && stats.instances > 100);
+    host_check_truth(&h, &views[1], 1, true);
+  }
+  host_destroy(&h);
+  stream_world_free(&w);
+}
+
 static void levels_change_at_few_distances(void** state) {
   (void)state;
   stream_world w;
@@ -254,6 +286,7 @@ int main(void) {
       cmocka_unit_test(what_is_covered_has_no_hole),
       cmocka_unit_test(what_is_in_the_frustum_comes_first),
       cmocka_unit_test(views_far_apart_find_what_they_would_alone),
+      cmocka_unit_test(what_a_cap_took_comes_back_while_the_views_stand),
       cmocka_unit_test(levels_change_at_few_distances),
       cmocka_unit_test(as_much_is_shown_ten_thousand_kilometres_away),
       cmocka_unit_test(a_far_field_covers_the_view_long_before_it_is_complete),

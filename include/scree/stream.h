@@ -145,7 +145,7 @@ typedef struct scree_event {
  * before the first run that draws it and goes out after the last. views: `view_count`, 0..8; with none, everything goes out. time:
  * seconds, never less than before; only fades look at it. events: valid until the next call with this stream. When a cap binds, in
  * this order: finer levels come later or not at all, the farthest first; the farthest blocks are drawn as proxies; the farthest are
- * not drawn; what gave way comes back when the views have moved on and there is room. Returns SCREE_OK or INVALID_ARGUMENT (nothing
+ * not drawn; what gave way comes back, a little at a time, when there is room. Returns SCREE_OK or INVALID_ARGUMENT (nothing
  * has changed then). Bad bytes in a pack cost meshes, not the stream: the log is told once a mesh, and the rocks of its class in a
  * block stay at the coarser level. Not to be called from two threads at once. Allocates nothing in steady state. */
 SCREE_API scree_result scree_stream_update(scree_stream* stream, const scree_view* views, uint32_t view_count, double time,
