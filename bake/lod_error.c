@@ -146,17 +146,24 @@ static float longest_edge(const mesh_buffer* mesh) {
   return sqrtf((float)most);
 }
 
-float lod_error(const mesh_buffer* fine, const mesh_buffer* coarse, const voxel_field* field, uint32_t* scratch) {
+float lod_error_capped(const mesh_buffer* fine, const mesh_buffer* coarse, const voxel_field* field, uint32_t* scratch,
+                       const float* caps) {
   uint32_t* list = scratch + coarse->vertex_count + 1;
   sort_triangles(coarse, scratch, list);
   sort_vertices(coarse, field);
   const target to = {coarse, field, scratch, list, longest_edge(coarse), NULL, 0};
   float worst = 0;
   for (uint32_t v = 0; v < fine->vertex_count; ++v) {
+    const float cap = caps != NULL ? caps[v] * caps[v] : INFINITY;
+    if (cap <= worst) continue;
     const float d2 = distance2(&to, fine->positions[v], worst);
-    if (d2 > worst) worst = d2;
+    if (d2 > worst) worst = d2 < cap ? d2 : cap;
   }
   return sqrtf(worst);
+}
+
+float lod_error(const mesh_buffer* fine, const mesh_buffer* coarse, const voxel_field* field, uint32_t* scratch) {
+  return lod_error_capped(fine, coarse, field, scratch, NULL);
 }
 
 static int compare_floats(const void* a, const void* b) {

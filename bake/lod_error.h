@@ -9,6 +9,11 @@
  */
 float lod_error(const mesh_buffer* fine, const mesh_buffer* coarse, const voxel_field* field, uint32_t* scratch);
 
+/* The same, where a vertex of `fine` counts for no more than its cap: that of a piece which a level may leave out is the piece's
+ * radius. caps: one a vertex. */
+float lod_error_capped(const mesh_buffer* fine, const mesh_buffer* coarse, const voxel_field* field, uint32_t* scratch,
+                       const float* caps);
+
 /* The distance, in lattice steps, that 95 of 100 vertices of `fine` do not pass, from a share of them: for unions with deep pits
  * that nobody looks into. distances: scratch, one a vertex of `fine`. */
 float lod_error_of_most(const mesh_buffer* fine, const mesh_buffer* coarse, const voxel_field* field, uint32_t* scratch,
