@@ -270,14 +270,18 @@ scree_result scree_stream_set_scene(scree_stream* s, const scree_scene* scene) {
   uint64_t kept = 0;
   double reach[STREAM_LAYERS];      /* in the scene before */
   touched_box boxes[STREAM_LAYERS]; /* of what changes up to each layer: later ones give way to earlier ones */
-  touched_box box = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+  const touched_box nothing = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+  touched_box box = nothing;
   for (uint32_t i = 0; i < before || i < after; ++i) {
-    const scree_layer* a = i < before ? scree_scene_layer(old, i) : NULL;
-    const scree_layer* b = i < after ? scree_scene_layer(scene, i) : NULL;
+    const scree_layer* a = i < before ? scree_rt_scene_layer(old, i) : NULL;
+    const scree_layer* b = i < after ? scree_rt_scene_layer(scene, i) : NULL;
     if (a != NULL && b != NULL && a->key == b->key && a->field == b->field) {
       kept |= UINT64_C(1) << i;
       reach[i] = s->layers[i].reach;
-      add_difference(&box, a, b);
+      touched_box own = nothing;
+      add_difference(&own, a, b);
+      if (a->scatter != NULL && own.min[0] <= own.max[0]) own.min[1] = -INFINITY; /* what is above decides about the ground below */
+      add_box(&box, own.min, own.max);
     } else {
       if (a != NULL) add_support(&box, a->support);
       if (b != NULL) add_support(&box, b->support);

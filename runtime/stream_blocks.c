@@ -88,6 +88,7 @@ static void fill_block(scree_stream* s, uint32_t slot, const stream_build* build
   b->pack = (uint16_t)s->layers[node->layer].pack;
   b->level = node->level;
   b->cell = s->layers[node->layer].cell;
+  b->largest = s->layers[node->layer].largest;
   b->run_count = 0;
   for (uint32_t class = 0; class < STREAM_CLASSES; ++class) {
     uint32_t first = build->class_first[class], count = build->class_first[class + 1] - first;

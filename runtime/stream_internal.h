@@ -62,9 +62,10 @@ typedef struct stream_mesh {
 } stream_mesh;
 
 typedef struct stream_pack {
-  const scree_pack* pack; /* NULL: this place is free */
-  bool dead;              /* of an earlier scene: never read, its meshes are on their way out */
-  uint32_t assets, total; /* rocks; rocks and proxies */
+  const scree_pack* pack;
+  const scree_scatter* models; /* instead of a pack: models of the host's own, of one level, without meshes; both NULL: free */
+  bool dead;                   /* of an earlier scene: never read, its meshes are on their way out */
+  uint32_t assets, total;      /* rocks; rocks and proxies */
   uint32_t levels;
   uint32_t first_mesh, first_asset;                  /* in the tables of meshes and of classes */
   float error[2][STREAM_CLASSES][STREAM_LEVELS];     /* cells, of rocks and of proxies; never less at a coarser level */
@@ -87,6 +88,8 @@ typedef struct stream_layer {
   double low[3];   /* low corner of cube 0, world */
   double cube;     /* width, metres */
   float cell;      /* metres */
+  float largest;   /* of a scatter's sizes; 1 for rocks */
+  float radius;    /* metres: what stands in a scatter reaches no farther; 0 for rocks */
   bool far_field;  /* its pack has proxies, and they are wanted */
   uint32_t root;   /* first of its roots, or STREAM_NONE */
   uint32_t top;    /* level of its roots */
@@ -124,7 +127,7 @@ typedef struct stream_node {
 typedef struct stream_block {
   double origin[3];
   float min[3], max[3];
-  float cell; /* of its meshes' pack, metres */
+  float cell, largest; /* of its layer */
   uint32_t first, count;
   uint32_t node; /* STREAM_NONE once it has left the tree and only fades out */
   uint16_t layer, pack;
@@ -315,6 +318,10 @@ static inline void stream_prefetch(const void* bytes, size_t size) {
 #else
   (void)bytes, (void)size;
 #endif
+}
+
+static inline bool stream_pack_is_used(const stream_pack* pack) {
+  return pack->pack != NULL || pack->models != NULL;
 }
 
 static inline uint32_t stream_mesh_slot(const stream_pack* pack, uint32_t asset, uint32_t level) {

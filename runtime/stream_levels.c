@@ -18,9 +18,9 @@ static inline uint32_t run_mesh(const scree_stream* s, const stream_block* b, ui
 
 /* --- the rule --------------------------------------------------------------------------------------------------------------- */
 
-/* Metres that one cell of a block's meshes is wide. */
+/* Metres that one cell of a block's meshes is wide, at most. */
 static float block_cell(const stream_block* b) {
-  return b->level > 0 ? b->cell * (float)(1u << (b->level - 1)) : b->cell;
+  return b->level > 0 ? b->cell * (float)(1u << (b->level - 1)) : b->cell * b->largest;
 }
 
 /* The coarsest level whose error is at most `allowed`, in cells. */

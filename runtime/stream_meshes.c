@@ -107,7 +107,7 @@ void scree_rt_stream_meshes_recount(scree_stream* s) {
   s->idle_bytes = 0;
   for (uint32_t i = 0; i < STREAM_PACKS; ++i) {
     const stream_pack* p = &s->packs[i];
-    if (p->pack == NULL) continue;
+    if (!stream_pack_is_used(p)) continue;
     for (uint32_t slot = p->first_mesh; slot < p->first_mesh + p->total * p->levels; ++slot) {
       stream_mesh* mesh = &s->meshes[slot];
       mesh->refs = 0;

@@ -2,6 +2,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "scatter_internal.h"
 #include "stream_internal.h"
 #include "support_text.h"
 
@@ -41,7 +42,7 @@ scree_result scree_rt_stream_check(scree_stream_desc* d, scree_error* error) {
       d->caps.events > 1u << 24)
     return fail(error, SCREE_ERROR_RANGE, "caps: expected at most 2^30 instances, 2^24 blocks and events, 2^16 decodes and builds");
   for (uint32_t i = 0; i < scree_scene_layer_count(d->scene); ++i)
-    if (scree_scene_layer(d->scene, i)->field->pack == NULL)
+    if (scree_rt_scene_layer(d->scene, i)->scatter == NULL && scree_rt_scene_layer(d->scene, i)->field->pack == NULL)
       return fail(error, SCREE_ERROR_INVALID_ARGUMENT, "scene: a field without a pack has nothing to draw");
   return SCREE_OK;
 }
@@ -52,6 +53,27 @@ scree_result scree_rt_stream_check(scree_stream_desc* d, scree_error* error) {
 static bool is_decodable(const scree_lod* lod, const scree_stream_caps* caps) {
   uint64_t bytes = (uint64_t)lod->vertices * sizeof(scree_vertex) + (uint64_t)lod->triangles * 6;
   return lod->vertices <= 65536 && lod->triangles <= UINT32_MAX / 3 && bytes <= caps->upload_bytes && bytes <= caps->mesh_bytes;
+}
+
+/* What a layer draws with. */
+static stream_pack drawn_by(const scree_scene* scene, uint32_t layer) {
+  const scree_layer* given = scree_rt_scene_layer(scene, layer);
+  stream_pack pack = {.pack = given->scatter != NULL ? given->scatter->pack : given->field->pack};
+  if (pack.pack == NULL) pack.models = given->scatter;
+  return pack;
+}
+
+/* Models of the host's own have one level that counts as there and as nothing. */
+static void measure_models(const scree_scatter* scatter, stream_pack* out) {
+  *out = (stream_pack){.models = scatter, .assets = scatter->model_count, .total = scatter->model_count, .levels = 1};
+  out->lattice[0] = 1;
+  out->coarse_next[0] = out->assets;
+}
+
+static void fill_models(const stream_pack* p, stream_mesh* meshes, uint8_t* classes) {
+  memset(classes + p->first_asset, 0, p->assets);
+  for (uint32_t i = 0; i < p->assets; ++i)
+    meshes[p->first_mesh + i] = (stream_mesh){.before = STREAM_NONE, .after = STREAM_NONE, .state = MESH_VOID, .coarsest = true};
 }
 
 /* Sizes of all meshes of a pack. */
@@ -210,7 +232,7 @@ static uint64_t find_place(const setup_plan* plan, uint32_t self, bool of_meshes
     moved = false;
     for (uint32_t i = 0; i < STREAM_PACKS; ++i) {
       const stream_pack* p = &plan->packs[i];
-      if (p->pack == NULL || i == self) continue;
+      if (!stream_pack_is_used(p) || i == self) continue;
       uint64_t first = of_meshes ? p->first_mesh : p->first_asset,
                end = first + (of_meshes ? (uint64_t)p->total * p->levels : p->total);
       if (is_fresh(plan, i) && first == UINT32_MAX) continue; /* not placed yet */
@@ -223,18 +245,22 @@ static uint64_t find_place(const setup_plan* plan, uint32_t self, bool of_meshes
   return at;
 }
 
-static uint32_t find_pack(const setup_plan* plan, const scree_pack* pack) {
+static uint32_t find_pack(const stream_pack packs[STREAM_PACKS], const stream_pack* wanted) {
   for (uint32_t i = 0; i < STREAM_PACKS; ++i)
-    if (plan->packs[i].pack == pack && !plan->packs[i].dead) return i;
+    if (packs[i].pack == wanted->pack && packs[i].models == wanted->models && !packs[i].dead) return i;
   return STREAM_NONE;
 }
 
-static scree_result add_pack(setup_plan* plan, const scree_pack* pack, const scree_stream_caps* caps) {
+static scree_result add_pack(setup_plan* plan, const stream_pack* wanted, const scree_stream_caps* caps) {
   uint32_t place = 0;
-  while (place < STREAM_PACKS && plan->packs[place].pack != NULL) ++place;
+  while (place < STREAM_PACKS && stream_pack_is_used(&plan->packs[place])) ++place;
   if (place == STREAM_PACKS) return SCREE_ERROR_CAPACITY;
   stream_pack measured;
-  scree_result result = measure_pack(pack, caps, &measured);
+  scree_result result = SCREE_OK;
+  if (wanted->pack != NULL)
+    result = measure_pack(wanted->pack, caps, &measured);
+  else
+    measure_models(wanted->models, &measured);
   if (result != SCREE_OK) return result;
   measured.first_mesh = measured.first_asset = UINT32_MAX;
   plan->packs[place] = measured;
@@ -248,20 +274,21 @@ static scree_result make_plan(setup_plan* plan, const scree_stream* old, const s
   if (old != NULL) memcpy(plan->packs, old->packs, sizeof plan->packs);
   bool used[STREAM_PACKS] = {false};
   for (uint32_t i = 0; i < scree_scene_layer_count(scene); ++i) {
-    const scree_pack* pack = scree_scene_layer(scene, i)->field->pack;
-    if (find_pack(plan, pack) == STREAM_NONE) {
-      scree_result result = add_pack(plan, pack, caps);
+    const stream_pack wanted = drawn_by(scene, i);
+    if (find_pack(plan->packs, &wanted) == STREAM_NONE) {
+      scree_result result = add_pack(plan, &wanted, caps);
       if (result != SCREE_OK) return fail(error, result, "scene: a pack cannot be used");
     }
-    used[find_pack(plan, pack)] = true;
+    used[find_pack(plan->packs, &wanted)] = true;
   }
   uint64_t coarse = 0, largest = 0, mesh_end = 0, asset_end = 0;
   for (uint32_t i = 0; i < STREAM_PACKS; ++i) {
     stream_pack* p = &plan->packs[i];
-    if (p->pack == NULL) continue;
+    if (!stream_pack_is_used(p)) continue;
     if (!used[i]) p->dead = true;
     if (p->dead && p->meshes_in == 0 && p->blocks == 0) { /* nothing is left of it */
       p->pack = NULL;
+      p->models = NULL;
       continue;
     }
     if (!p->dead) {
@@ -273,7 +300,7 @@ static scree_result make_plan(setup_plan* plan, const scree_stream* old, const s
   }
   for (uint32_t i = 0; i < STREAM_PACKS; ++i) {
     stream_pack* p = &plan->packs[i];
-    if (p->pack == NULL) continue;
+    if (!stream_pack_is_used(p)) continue;
     if (is_fresh(plan, i)) {
       uint64_t mesh = find_place(plan, i, true, (uint64_t)p->total * p->levels), asset = find_place(plan, i, false, p->total);
       if (mesh + (uint64_t)p->total * p->levels >= UINT32_MAX) return fail(error, SCREE_ERROR_RANGE, "scene: too many meshes");
@@ -318,12 +345,15 @@ size_t scree_rt_stream_tables_size(const scree_stream_desc* desc) {
 
 static void set_up_layer(scree_stream* s, uint32_t index) {
   stream_layer* layer = &s->layers[index];
-  const scree_field* field = scree_scene_layer(s->scene, index)->field;
+  const scree_scatter* scatter = scree_rt_scene_layer(s->scene, index)->scatter;
+  const scree_field* field = scree_rt_scene_layer(s->scene, index)->field;
+  const stream_pack drawn = drawn_by(s->scene, index);
   memset(layer, 0, sizeof *layer);
   layer->field = field;
-  for (uint32_t i = 0; i < STREAM_PACKS; ++i)
-    if (s->packs[i].pack == field->pack && !s->packs[i].dead) layer->pack = i;
-  layer->cell = (float)field->cell_size;
+  layer->pack = find_pack(s->packs, &drawn);
+  layer->cell = scatter != NULL ? 1 : (float)field->cell_size;
+  layer->largest = scatter != NULL ? scatter->scale_max : 1;
+  layer->radius = scatter != NULL ? (float)scatter->outer_radius * 1.000001f : 0;
   layer->cube = field->cell_size * (double)field->cells_per_cube;
   for (int a = 0; a < 3; ++a) layer->low[a] = field->origin[a] - 0.5 * field->cell_size;
   layer->far_field = !s->desc.no_far_field && s->packs[layer->pack].total > s->packs[layer->pack].assets;
@@ -412,9 +442,14 @@ static scree_result fill_tables(scree_stream* s, setup_plan* plan, setup_tables*
   if (t->meshes != NULL && s->mesh_slots > 0) memcpy(t->meshes, s->meshes, s->mesh_slots * sizeof *t->meshes);
   if (t->classes != NULL && s->asset_slots > 0) memcpy(t->classes, s->classes, s->asset_slots);
   for (uint32_t i = 0; i < STREAM_PACKS; ++i) {
-    if (plan->packs[i].pack == NULL || !is_fresh(plan, i)) continue;
-    scree_result result =
-        fill_pack(s, &plan->packs[i], t->meshes != NULL ? t->meshes : s->meshes, t->classes != NULL ? t->classes : s->classes);
+    stream_mesh* meshes = t->meshes != NULL ? t->meshes : s->meshes;
+    uint8_t* classes = t->classes != NULL ? t->classes : s->classes;
+    if (!stream_pack_is_used(&plan->packs[i]) || !is_fresh(plan, i)) continue;
+    if (plan->packs[i].models != NULL) {
+      fill_models(&plan->packs[i], meshes, classes);
+      continue;
+    }
+    scree_result result = fill_pack(s, &plan->packs[i], meshes, classes);
     if (result != SCREE_OK) return result;
   }
   return SCREE_OK;

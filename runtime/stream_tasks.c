@@ -143,6 +143,11 @@ static void grow_box(stream_build* b) {
   const stream_layer* layer = &s->layers[b->layer];
   const stream_pack* pack = &s->packs[layer->pack];
   for (int a = 0; a < 3; ++a) {
+    if (layer->radius > 0) {
+      b->min[a] -= layer->radius;
+      b->max[a] += layer->radius;
+      continue;
+    }
     float low = pack->low[a], high = pack->high[a], scale = layer->cell;
     if (b->level > 0) {
       scale *= (float)(1u << (b->level - 1));

@@ -11,6 +11,7 @@
 
 #include "lattice.h"
 #include "pack_writer.h"
+#include "scatter_internal.h"
 #include "stream_internal.h"
 #include "synthetic_field.h"
 
@@ -120,9 +121,10 @@ static uint32_t pack_index(stream_host* h, const scree_pack* pack) {
 
 void host_use_scene(stream_host* h, const scree_scene* scene) {
   for (uint32_t i = 0; i < scree_scene_layer_count(scene); ++i) {
-    const scree_pack* pack = scree_scene_layer(scene, i)->field->pack;
+    const scree_layer* layer = scree_scene_layer(scene, i);
+    const scree_pack* pack = layer->scatter != NULL ? layer->scatter->pack : layer->field->pack;
     h->layer_packs[i] = pack;
-    bool known = false;
+    bool known = pack == NULL; /* models of the host's own have no meshes here */
     for (uint32_t k = 0; k < h->pack_count; ++k) known = known || h->packs[k] == pack;
     if (known) continue;
     assert_true(h->pack_count < 8);
@@ -219,6 +221,10 @@ static void mesh_out(stream_host* h, const scree_event_mesh* e) {
 }
 
 static void count_level(stream_host* h, const host_block* b, const scree_stream_run* run, uint32_t level, bool in) {
+  if (h->layer_packs[b->layer] == NULL) {
+    assert_int_equal(level, 0);
+    return;
+  }
   uint32_t pack = pack_index(h, h->layer_packs[b->layer]), levels = h->infos[pack].lod_count;
   assert_true(level < levels);
   for (uint32_t i = run->first; i < run->first + run->count; ++i) {
@@ -396,8 +402,11 @@ void host_check(const stream_host* h) {
       for (uint32_t i = run->first; i < run->first + run->count; ++i) {
         scree_lod lod;
         scree_id id;
-        assert_int_equal(scree_pack_get_lod(h->layer_packs[b->layer], h->instances[i].asset, run->level, &lod), SCREE_OK);
-        triangles += lod.triangles;
+        const scree_pack* pack = h->layer_packs[b->layer];
+        if (pack != NULL) {
+          assert_int_equal(scree_pack_get_lod(pack, h->instances[i].asset, run->level, &lod), SCREE_OK);
+          triangles += lod.triangles;
+        }
         assert_int_equal(scree_stream_id(h->stream, i, &id), b->level == 0);
         if (b->level == 0) assert_memory_equal(&id, &h->ids[i], sizeof id);
         for (int a = 0; a < 3; ++a) {
@@ -437,7 +446,7 @@ static int32_t floor_div(int32_t a, int32_t b) {
 
 /* Whether a rock's block is nearer to a view than view_distance. */
 static bool is_in_view(const stream_host* h, const scree_id* id, uint32_t layer, const scree_view* views, uint32_t view_count) {
-  const scree_field* field = scree_scene_layer(h->desc.scene, layer)->field;
+  const scree_field* field = scree_rt_scene_layer(h->desc.scene, layer)->field;
   double low[3], high[3], cell = field->cell_size, cube = cell * field->cells_per_cube;
   for (int a = 0; a < 3; ++a) {
     low[a] = field->origin[a] - 0.5 * cell + floor_div(id->cube[a], 4) * (4 * cube);
@@ -454,7 +463,12 @@ static void check_run_level(const stream_host* h, const host_block* b, const scr
   const scree_stream* s = h->stream;
   const stream_pack* p = &s->packs[s->layers[b->layer].pack];
   uint8_t class = s->classes[p->first_asset + h->instances[run->first].asset];
-  double cell = scree_scene_layer(h->desc.scene, b->layer)->field->cell_size;
+  const scree_layer* layer = scree_scene_layer(h->desc.scene, b->layer);
+  double cell = layer->scatter != NULL ? (double)layer->scatter->scale_max : layer->field->cell_size;
+  if (pack == NULL) {
+    assert_int_equal(run->level, 0);
+    return;
+  }
   uint32_t rule[2];
   for (int k = 0; k < 2; ++k) {
     double allowed = (double)h->desc.max_error_pixels * (k ? 1 : 1 / (1 + (double)h->desc.hysteresis)) * (1 + (k ? 1e-6 : -1e-6));

@@ -9,6 +9,9 @@
  *     level 2   16 x 16 x 16 cubes                         proxies twice as large, each for 2 x 2 x 2 cubes
  *     level l   ...                                        proxies 2^(l-1) times as large
  *
+ * A layer that is a scatter has rocks only, which are its models, on all of the way to view_distance. Where they are the host's
+ * own, no mesh events come for them and all their runs have level 0.
+ *
  * A node is replaced by its children where its error on the screen, that of seven in eight proxies of the pack but at least an
  * eighth of their cube's width, is more than max_error_pixels. Levels of rocks follow the same rule: the coarsest level whose
  * error, seen from the nearest point of the rock's block, is at most max_error_pixels; to go back to a coarser one the error has to
@@ -82,8 +85,8 @@ typedef struct scree_view {
 /* One instance, 24 bytes. */
 typedef struct scree_stream_instance {
   float position[3]; /* metres, relative to the block's origin */
-  uint32_t asset;    /* of the pack: a rock, or from asset_count on a proxy */
-  uint32_t random;   /* for colour and wetness: scree_scene_random */
+  uint32_t asset;    /* of the pack: a rock, or from asset_count on a proxy; of a scatter, the model */
+  uint32_t random;   /* for colour and wetness: scree_scene_random; of a scatter also turn and size: scree_scatter_turn */
   uint32_t block;    /* slot of its block, below caps.blocks */
 } scree_stream_instance;
 
@@ -116,12 +119,13 @@ typedef struct scree_event_mesh {
 } scree_event_mesh;
 
 typedef struct scree_event_block {
-  uint32_t block;                          /* its slot, stable while it is shown */
-  uint32_t layer;                          /* index in the scene */
-  uint32_t level;                          /* 0: rocks; more: proxies */
-  double origin[3];                        /* world place that the positions of its instances are relative to, metres */
-  float scale;                             /* metres a lattice step: vertex.position * scale + instance.position */
-  float min[3], max[3];                    /* box of everything it draws, relative to its origin, metres */
+  uint32_t block;       /* its slot, stable while it is shown */
+  uint32_t layer;       /* index in the scene */
+  uint32_t level;       /* 0: rocks; more: proxies */
+  double origin[3];     /* world place that the positions of its instances are relative to, metres */
+  float scale;          /* metres a lattice step: vertex.position * scale + instance.position; of a scatter at size
+                           1, before its turn and size; of models of the host's own 1 */
+  float min[3], max[3]; /* box of everything it draws, relative to its origin, metres */
   uint32_t first_instance, instance_count; /* its place in the stream's array of instances */
   const scree_stream_instance*
       instances;                /* IN, and CHANGE after edits: instance_count, valid until the next call; otherwise NULL */
@@ -155,8 +159,8 @@ SCREE_API scree_result scree_stream_update(scree_stream* stream, const scree_vie
 SCREE_API float scree_stream_fade(const scree_stream* stream, float fade_start, double time);
 
 /* The same rocks with other supports, filters or layers: blocks that the change can touch are built again in the next updates, all
- * others stay to the bit. A layer is the same layer if key, field and place in the order are. The old scene is not used after the
- * call. Returns SCREE_OK, INVALID_ARGUMENT, CAPACITY (as create; nothing has changed) or OUT_OF_MEMORY. */
+ * others stay to the bit. A layer is the same layer if key, field, scatter and place in the order are. The old scene is not used
+ * after the call. Returns SCREE_OK, INVALID_ARGUMENT, CAPACITY (as create; nothing has changed) or OUT_OF_MEMORY. */
 SCREE_API scree_result scree_stream_set_scene(scree_stream* stream, const scree_scene* scene);
 
 /* Says that the edits of these rocks have changed; blocks that show them or their neighbours are built again. count 0: all may
