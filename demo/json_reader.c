@@ -278,16 +278,23 @@ static bool is_clean_text(const char* text) {
   return true;
 }
 
-bool json_string(json_reader* reader, const cJSON* object, const char* key, size_t capacity, char* out) {
-  bool go_on;
-  const cJSON* value = find(reader, object, key, &go_on);
-  if (value == NULL) return go_on;
+static bool text_value(json_reader* reader, const char* key, const cJSON* value, size_t capacity, char* out) {
   if (!cJSON_IsString(value)) return json_fail_expected(reader, key, "a string", value);
   size_t length = strlen(value->valuestring);
   if (length >= capacity) return json_fail(reader, key, "expected at most %zu bytes of text, got %zu", capacity - 1, length);
   if (!is_clean_text(value->valuestring)) return json_fail(reader, key, "expected UTF-8 text without control characters");
   memcpy(out, value->valuestring, length + 1);
   return true;
+}
+
+bool json_string(json_reader* reader, const cJSON* object, const char* key, size_t capacity, char* out) {
+  bool go_on;
+  const cJSON* value = find(reader, object, key, &go_on);
+  return value == NULL ? go_on : text_value(reader, key, value, capacity, out);
+}
+
+bool json_string_value(json_reader* reader, const cJSON* value, size_t capacity, char* out) {
+  return reader->result == SCREE_OK && text_value(reader, NULL, value, capacity, out);
 }
 
 static int hex_digit(char c) {

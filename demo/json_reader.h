@@ -50,7 +50,8 @@ bool json_bool(json_reader* reader, const cJSON* object, const char* key, bool* 
 bool json_string(json_reader* reader, const cJSON* object, const char* key, size_t capacity, char* out);
 bool json_colour(json_reader* reader, const cJSON* object, const char* key, float out[3]);
 
-/* A number, a colour at the current path. */
+/* A text, a number, a colour at the current path. */
+bool json_string_value(json_reader* reader, const cJSON* value, size_t capacity, char* out);
 bool json_number_value(json_reader* reader, const cJSON* value, json_limits limits, double* out);
 bool json_colour_value(json_reader* reader, const cJSON* value, float out[3]);
 

@@ -34,6 +34,8 @@ void scene_init(scene_model* out) {
 static void empty_field(scene_field* field) {
   scene_node_destroy(field->support);
   free(field->filters);
+  free(field->scatter.models);
+  free(field->scatter.weights);
 }
 
 void scene_destroy(scene_model* scene) {
@@ -55,6 +57,9 @@ scene_field* scene_add_field(scene_model* scene) {
   field->shell = true;
   field->key = -1;
   field->density = 1;
+  field->scatter = (scene_scatter){.spacing = 1, .scale = {1, 1}, .max_slope = 45, .ages = {.kind = SCREE_FILTER_MASK}};
+  field->scatter.ages.map.spacing = 1;
+  field->scatter.ages.map.high = 1;
   set_colour(field->palette.colours[0], 178, 172, 160);
   set_colour(field->palette.colours[1], 158, 155, 150);
   set_colour(field->palette.colours[2], 172, 158, 138);
@@ -69,6 +74,24 @@ void scene_remove_field(scene_model* scene, uint32_t index) {
   empty_field(&scene->fields[index]);
   --scene->field_count;
   memmove(&scene->fields[index], &scene->fields[index + 1], (scene->field_count - index) * sizeof *scene->fields);
+}
+
+bool scene_set_models(scene_scatter* scatter, uint32_t count) {
+  char(*models)[SCENE_FILE_SIZE] = count > 0 ? calloc(count, sizeof *models) : NULL;
+  if (count > 0 && models == NULL) return false;
+  free(scatter->models);
+  scatter->models = models;
+  scatter->model_count = count;
+  return true;
+}
+
+bool scene_set_weights(scene_scatter* scatter, uint32_t count) {
+  double* weights = count > 0 ? calloc(count, sizeof *weights) : NULL;
+  if (count > 0 && weights == NULL) return false;
+  free(scatter->weights);
+  scatter->weights = weights;
+  scatter->weight_count = count;
+  return true;
 }
 
 uint16_t scene_field_key(const scene_model* scene, uint32_t index) {
@@ -327,6 +350,14 @@ void scene_rotation_quaternion(const double degrees[3], double quaternion[4]) {
 
 float scene_linear_from_srgb(float value) {
   return value <= 0.04045f ? value / 12.92f : powf((value + 0.055f) / 1.055f, 2.4f);
+}
+
+uint32_t scene_model_hash(uint32_t random) {
+  random ^= random >> 16;
+  random *= UINT32_C(0x45d9f3b);
+  random ^= random >> 16;
+  random *= UINT32_C(0x45d9f3b);
+  return random ^ random >> 16;
 }
 
 void scene_stone_colour(const scene_palette* palette, uint32_t world_hash, float linear[3], uint32_t* base, float* shade) {

@@ -19,6 +19,8 @@ enum {
   SCENE_FILE_SIZE = 512,       /* bytes of a file name with its NUL */
   SCENE_PALETTE_MAX = 8,       /* base colours of one field */
   SCENE_FILTERS_MAX = 16,      /* filters of one field */
+  SCENE_MODELS_MAX = 64,       /* model files of one scatter */
+  SCENE_WEIGHTS_MAX = 256,     /* weights of one scatter */
   SCENE_FIELDS_MAX = 64,       /* fields of a scene */
   SCENE_NODES_MAX = 4096,      /* nodes of one support tree */
   SCENE_DEPTH_MAX = 64,        /* levels of one support tree */
@@ -52,6 +54,7 @@ typedef enum scene_ground_kind { SCENE_GROUND_NONE = 0, SCENE_GROUND_PLANE = 1, 
 typedef struct scene_ground {
   scene_ground_kind kind;
   float colour[3];
+  bool sand;            /* "cover": sand, or earth with grass */
   double height;        /* PLANE: y of the plane */
   scene_height_map map; /* TERRAIN */
   double position[3];   /* TERRAIN: where the centre of the map's height 0 lies */
@@ -147,17 +150,33 @@ typedef struct scene_filter {
   double position[3];    /* MASK, SLOPE: where the centre of the map lies; y is not used */
 } scene_filter;
 
-/* Fields are layers of a scree_scene in the order of the file: where they overlap, the earlier wins. */
+/* What a field has that is a scatter of models on its support, the ground: members mean what those of scree_scatter_desc mean. */
+typedef struct scene_scatter {
+  char (*models)[SCENE_FILE_SIZE]; /* owned, malloc: .glb or .gltf files, one a model; none = the field's pack holds models */
+  uint32_t model_count;
+  double spacing;   /* metres, > 0 */
+  double scale[2];  /* 0 < scale[0] <= scale[1] */
+  double max_slope; /* degrees, > 0, <= 80 */
+  double* weights;  /* owned, malloc: >= 0, not all 0; none = as many of each */
+  uint32_t weight_count;
+  bool has_ages;
+  scene_filter ages; /* MASK: black = the youngest, white = the oldest */
+} scene_scatter;
+
+/* Fields are layers of a scree_scene in the order of the file: where they overlap, the earlier wins. A field is a mass of rock, or
+ * a scatter, which has no cell size, threshold and shell. */
 typedef struct scene_field {
+  bool is_scatter;
+  scene_scatter scatter;
   char name[SCENE_NAME_SIZE];
-  char pack[SCENE_FILE_SIZE]; /* name of a recipe, or the path of a .scree file */
+  char pack[SCENE_FILE_SIZE]; /* name of a recipe, or the path of a .scree file; empty where a scatter has models of its own */
   uint64_t seed;              /* 0..2^53, what JSON numbers hold exactly */
   double cell_size;           /* metres, > 0 */
   double origin[3];           /* world position of corner (0, 0, 0), metres */
   double threshold;           /* share of a rock that must lie inside, 0..1 exclusive */
   bool shell;                 /* leave out the rocks deeper below the surface than twice the largest radius */
   int32_t key;                /* of the layer, 0..65535, goes into ids; -1 = the field's index */
-  double density;             /* share of its rocks that exist, 0..1, > 0 */
+  double density;             /* share of its rocks or models that exist, 0..1, > 0 */
   scene_filter* filters;      /* owned, malloc */
   uint32_t filter_count;
   scene_palette palette;
@@ -198,6 +217,11 @@ scree_result scene_save(const scene_model* scene, const char* file, scree_error*
 /* Adds a field with the default values, without a support. NULL when memory is short or there are SCENE_FIELDS_MAX. */
 scene_field* scene_add_field(scene_model* scene);
 void scene_remove_field(scene_model* scene, uint32_t index);
+
+/* Makes a field a scatter with the default values, or takes the models and weights of one away (sizes 0). False when memory is
+ * short: nothing has changed then. */
+bool scene_set_models(scene_scatter* scatter, uint32_t count);
+bool scene_set_weights(scene_scatter* scatter, uint32_t count);
 
 /* The key of a field's layer. */
 uint16_t scene_field_key(const scene_model* scene, uint32_t index);
@@ -254,6 +278,9 @@ void scene_rotation_quaternion(const double degrees[3], double quaternion[4]);
 /* The colour of a stone by its world hash, linear RGB 0..1. base: which base colour it comes from (0..colour_count - 1), may be
  * NULL; the colour is that base colour times one factor, 1 - variation .. 1, delivered in *shade when that is not NULL. */
 void scene_stone_colour(const scene_palette* palette, uint32_t world_hash, float linear[3], uint32_t* base, float* shade);
+
+/* What chooses the colour of an instance of a scatter: other bits than those its turn and size are taken from. */
+uint32_t scene_model_hash(uint32_t random);
 
 /* One sRGB channel 0..1 as linear light. */
 float scene_linear_from_srgb(float value);

@@ -83,7 +83,7 @@ static bool read_water(json_reader* r, const cJSON* ground, scene_ground* out) {
 }
 
 static bool read_ground(json_reader* r, const cJSON* value, scene_ground* out) {
-  static const char* const any[] = {"kind", "colour", NULL};
+  static const char* const any[] = {"kind", "colour", "cover", NULL};
   static const char* const none[] = {NULL};
   static const char* const plane[] = {"height", NULL};
   static const char* const terrain[] = {"file", "spacing", "low", "high", "crop", "position", "water", NULL};
@@ -103,7 +103,12 @@ static bool read_ground(json_reader* r, const cJSON* value, scene_ground* out) {
   } else {
     return json_fail(r, "kind", "expected \"none\", \"plane\" or \"terrain\", got \"%s\"", kind);
   }
-  if (!json_check_object(r, value, any, keys) || !json_colour(r, value, "colour", out->colour)) return false;
+  char cover[16] = "grass";
+  if (!json_check_object(r, value, any, keys) || !json_colour(r, value, "colour", out->colour) ||
+      !json_string(r, value, "cover", sizeof cover, cover))
+    return false;
+  out->sand = strcmp(cover, "sand") == 0;
+  if (!out->sand && strcmp(cover, "grass") != 0) return json_fail(r, "cover", "expected \"grass\" or \"sand\", got \"%s\"", cover);
   if (out->kind == SCENE_GROUND_PLANE) return json_number(r, value, "height", any_place, &out->height);
   if (out->kind == SCENE_GROUND_NONE) return true;
   return read_height_map(r, value, &out->map) && json_vector(r, value, "position", any_place, 3, out->position) &&
@@ -451,16 +456,96 @@ static bool check_key(json_reader* r, const scene_model* scene, uint32_t index) 
   return true;
 }
 
+/* What a mass of rock has and a scatter has not. */
+static bool read_rocks(json_reader* r, const cJSON* value, scene_field* out) {
+  static const json_limits share = {0, 1, true, true};
+  return require_text(r, value, "pack", sizeof out->pack, out->pack) && positive_number(r, value, "cell_size", &out->cell_size) &&
+         json_number(r, value, "threshold", share, &out->threshold) && json_bool(r, value, "shell", &out->shell);
+}
+
+static bool read_models(json_reader* r, const cJSON* models, scene_scatter* out) {
+  const int count = cJSON_IsArray(models) ? cJSON_GetArraySize(models) : 0;
+  if (count < 1 || count > SCENE_MODELS_MAX) return json_fail_expected(r, NULL, "an array of 1..64 files", models);
+  if (!scene_set_models(out, (uint32_t)count)) return json_fail_memory(r);
+  uint32_t i = 0;
+  const cJSON* item;
+  cJSON_ArrayForEach(item, models) {
+    size_t before = json_enter_index(r, i);
+    const bool good = json_string_value(r, item, SCENE_FILE_SIZE, out->models[i]) &&
+                      (out->models[i][0] != '\0' || json_fail(r, NULL, "expected text, got \"\""));
+    json_leave(r, before);
+    if (!good) return false;
+    ++i;
+  }
+  return true;
+}
+
+static bool read_weights(json_reader* r, const cJSON* weights, scene_scatter* out) {
+  const int count = cJSON_IsArray(weights) ? cJSON_GetArraySize(weights) : 0;
+  if (count < 1 || count > SCENE_WEIGHTS_MAX) return json_fail_expected(r, NULL, "an array of 1..256 numbers", weights);
+  if (!scene_set_weights(out, (uint32_t)count)) return json_fail_memory(r);
+  double sum = 0;
+  uint32_t i = 0;
+  const cJSON* item;
+  cJSON_ArrayForEach(item, weights) {
+    size_t before = json_enter_index(r, i);
+    const bool good = json_number_value(r, item, not_negative, &out->weights[i]);
+    json_leave(r, before);
+    if (!good) return false;
+    sum += out->weights[i++];
+  }
+  return sum > 0 || json_fail(r, NULL, "expected one number that is not 0");
+}
+
+static bool read_ages(json_reader* r, const cJSON* value, scene_scatter* out) {
+  static const char* const keys[] = {"file", "spacing", "crop", "position", "inverted", NULL};
+  scene_filter* ages = &out->ages;
+  out->has_ages = true;
+  return json_check_object(r, value, keys, NULL) && require_text(r, value, "file", sizeof ages->map.file, ages->map.file) &&
+         positive_number(r, value, "spacing", &ages->map.spacing) && read_crop(r, value, &ages->map) &&
+         json_vector(r, value, "position", any_place, 3, ages->position) && json_bool(r, value, "inverted", &ages->inverted);
+}
+
+static bool read_scatter(json_reader* r, const cJSON* value, scene_field* out) {
+  static const json_limits slope = {0, 80, true, false};
+  static bool (*const readers[])(json_reader*, const cJSON*, scene_scatter*) = {read_models, read_weights, read_ages};
+  static const char* const parts[] = {"models", "weights", "ages"};
+  scene_scatter* s = &out->scatter;
+  out->is_scatter = true;
+  out->pack[0] = '\0';
+  if (cJSON_HasObjectItem(value, "models")) {
+    if (cJSON_HasObjectItem(value, "pack")) return json_fail(r, "models", "a scatter has a pack or models, not both");
+  } else if (!require_text(r, value, "pack", sizeof out->pack, out->pack)) {
+    return false;
+  }
+  if (!require(r, value, "spacing") || !positive_number(r, value, "spacing", &s->spacing) ||
+      !json_vector(r, value, "scale", positive, 2, s->scale) || !json_number(r, value, "max_slope", slope, &s->max_slope))
+    return false;
+  if (s->scale[0] > s->scale[1])
+    return json_fail(r, "scale", "expected the smaller number first, got [%g, %g]", s->scale[0], s->scale[1]);
+  for (int i = 0; i < 3; ++i) {
+    const cJSON* part = cJSON_GetObjectItemCaseSensitive(value, parts[i]);
+    if (part == NULL) continue;
+    size_t before = json_enter_key(r, parts[i]);
+    const bool good = readers[i](r, part, s);
+    json_leave(r, before);
+    if (!good) return false;
+  }
+  return true;
+}
+
 static bool read_field(json_reader* r, const cJSON* value, scene_field* out) {
-  static const char* const keys[] = {"name",    "pack",    "seed", "cell_size", "origin",  "threshold", "shell",
-                                     "palette", "support", "key",  "density",   "filters", NULL};
-  static const json_limits share = {0, 1, true, true}, density = {0, 1, true, false};
-  bool good =
-      json_check_object(r, value, keys, NULL) && json_string(r, value, "name", sizeof out->name, out->name) &&
-      require_text(r, value, "pack", sizeof out->pack, out->pack) &&
-      json_integer(r, value, "seed", 0, UINT64_C(1) << 53, &out->seed) && positive_number(r, value, "cell_size", &out->cell_size) &&
-      json_vector(r, value, "origin", any_place, 3, out->origin) && json_number(r, value, "threshold", share, &out->threshold) &&
-      json_bool(r, value, "shell", &out->shell) && json_number(r, value, "density", density, &out->density);
+  static const char* const keys[] = {"name", "pack", "seed", "origin", "palette", "support", "key", "density", "filters", NULL};
+  static const char* const rocks[] = {"cell_size", "threshold", "shell", NULL};
+  static const char* const scatter[] = {"models", "spacing", "scale", "max_slope", "weights", "ages", NULL};
+  static const json_limits density = {0, 1, true, false};
+  const bool scattered = cJSON_HasObjectItem(value, "spacing") || cJSON_HasObjectItem(value, "models");
+  bool good = json_check_object(r, value, keys, scattered ? scatter : rocks) &&
+              json_string(r, value, "name", sizeof out->name, out->name) &&
+              json_integer(r, value, "seed", 0, UINT64_C(1) << 53, &out->seed) &&
+              json_vector(r, value, "origin", any_place, 3, out->origin) &&
+              json_number(r, value, "density", density, &out->density) &&
+              (scattered ? read_scatter(r, value, out) : read_rocks(r, value, out));
   uint64_t number = 0;
   if (good && cJSON_HasObjectItem(value, "key")) {
     good = json_integer(r, value, "key", 0, UINT16_MAX, &number);

@@ -293,25 +293,85 @@ static void write_filters(text_buffer* t, const scene_field* field) {
   buffer_add(t, "]");
 }
 
+static void write_ages(text_buffer* t, const scene_filter* ages) {
+  key(t, 3, "ages");
+  buffer_add(t, "{\n");
+  string_key(t, 4, "file", ages->map.file);
+  end(t, false);
+  number_key(t, 4, "spacing", ages->map.spacing);
+  write_crop(t, 4, &ages->map);
+  end(t, false);
+  vector_key(t, 4, "position", ages->position);
+  end(t, false);
+  bool_key(t, 4, "inverted", ages->inverted);
+  end(t, true);
+  buffer_indent(t, 3);
+  buffer_add(t, "}");
+}
+
+static void numbers_key(text_buffer* t, uint32_t indent, const char* name, const double* values, uint32_t count) {
+  key(t, indent, name);
+  for (uint32_t i = 0; i < count; ++i) {
+    buffer_add(t, i > 0 ? ", " : "[");
+    buffer_number(t, values[i]);
+  }
+  buffer_add(t, "]");
+}
+
+static void write_scatter(text_buffer* t, const scene_scatter* s) {
+  number_key(t, 3, "spacing", s->spacing);
+  end(t, false);
+  numbers_key(t, 3, "scale", s->scale, 2);
+  end(t, false);
+  number_key(t, 3, "max_slope", s->max_slope);
+  end(t, false);
+  if (s->weight_count > 0) {
+    numbers_key(t, 3, "weights", s->weights, s->weight_count);
+    end(t, false);
+  }
+  if (s->has_ages) {
+    write_ages(t, &s->ages);
+    end(t, false);
+  }
+}
+
+static void write_models(text_buffer* t, const scene_scatter* s) {
+  key(t, 3, "models");
+  for (uint32_t i = 0; i < s->model_count; ++i) {
+    buffer_add(t, i > 0 ? ", " : "[");
+    buffer_string(t, s->models[i]);
+  }
+  buffer_add(t, "]");
+}
+
 static void write_field(text_buffer* t, const scene_field* field) {
   buffer_add(t, "{\n");
   if (field->name[0] != '\0') {
     string_key(t, 3, "name", field->name);
     end(t, false);
   }
-  string_key(t, 3, "pack", field->pack);
+  if (field->is_scatter && field->scatter.model_count > 0)
+    write_models(t, &field->scatter);
+  else
+    string_key(t, 3, "pack", field->pack);
   end(t, false);
   key(t, 3, "seed");
   buffer_format(t, "%llu", (unsigned long long)field->seed);
   end(t, false);
-  number_key(t, 3, "cell_size", field->cell_size);
-  end(t, false);
+  if (!field->is_scatter) {
+    number_key(t, 3, "cell_size", field->cell_size);
+    end(t, false);
+  }
   vector_key(t, 3, "origin", field->origin);
   end(t, false);
-  number_key(t, 3, "threshold", field->threshold);
-  end(t, false);
-  bool_key(t, 3, "shell", field->shell);
-  end(t, false);
+  if (field->is_scatter) {
+    write_scatter(t, &field->scatter);
+  } else {
+    number_key(t, 3, "threshold", field->threshold);
+    end(t, false);
+    bool_key(t, 3, "shell", field->shell);
+    end(t, false);
+  }
   if (field->key >= 0) {
     integer_key(t, 3, "key", (uint32_t)field->key);
     end(t, false);
@@ -353,6 +413,10 @@ static void write_ground(text_buffer* t, const scene_ground* ground) {
   string_key(t, 2, "kind", kinds[ground->kind]);
   end(t, false);
   colour_key(t, 2, "colour", ground->colour);
+  if (ground->sand) {
+    end(t, false);
+    string_key(t, 2, "cover", "sand");
+  }
   if (ground->kind == SCENE_GROUND_PLANE) {
     end(t, false);
     number_key(t, 2, "height", ground->height);

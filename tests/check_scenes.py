@@ -29,6 +29,7 @@ READER_ALONE = [
     "expected at most the smallest half extent",
     "expected above + below > 0",
     "expected a number >= from",
+    "expected the smaller number first",
 ]
 
 SPHERE = {"shape": "sphere"}
@@ -38,7 +39,7 @@ HEAD = {
     "camera": {"eye": [1, 2, 3], "target": [0, 0, 0], "fov": 50},
     "sun": {"direction": [0, 1, 0], "colour": "#ffffff"},
     "sky": "#8090a0",
-    "ground": {"kind": "terrain", "position": [1, 2, 3], "colour": "#000000", **MAP, "water": {"height": 1, "colour": "#000000"}},
+    "ground": {"kind": "terrain", "cover": "sand", "position": [1, 2, 3], "colour": "#000000", **MAP, "water": {"height": 1, "colour": "#000000"}},
     "fields": [
         {
             "name": "f",
@@ -60,6 +61,24 @@ HEAD = {
         }
     ],
 }
+AGES = {"file": "a.png", "spacing": 1, "crop": [1, 2, 3, 4], "position": [1, 2, 3], "inverted": True}
+SCATTER = {
+    "name": "h",
+    "pack": "goblin",
+    "seed": 1,
+    "spacing": 3,
+    "origin": [0, 0, 0],
+    "scale": [0.5, 1],
+    "max_slope": 30,
+    "weights": [0.5, 3],
+    "ages": AGES,
+    "key": 7,
+    "density": 0.5,
+    "filters": [{"filter": "altitude", "from": -1, "to": 400, "fade": 1, "inverted": True}],
+    "palette": {"colours": ["#000000", "#ffffff"], "variation": 0.5},
+    "support": SPHERE,
+}
+MODELS = {"models": ["tree.glb", "bush.gltf"], "spacing": 3, "support": SPHERE}
 SHAPES = [
     {"shape": "sphere", "radius": 1, "name": "s", "position": [1, 2, 3], "rotation": [1, 2, 3], "scale": 2},
     {"shape": "box", "half": [1, 1, 1], "rounding": 0.25},
@@ -142,6 +161,7 @@ def main():
             sys.exit(f"{path}: $schema does not name the schema")
         cases.append((path, scene, True))
     bases = [(HEAD, ())]
+    bases += [({"fields": [scatter]}, ("fields", 0)) for scatter in (SCATTER, MODELS, {**SCATTER, "weights": [1]})]
     bases += [({"fields": [{"pack": "b", "support": shape}]}, ("fields", 0, "support")) for shape in SHAPES]
     for base, below in bases:
         cases.append((json.dumps(base), base, True))

@@ -20,7 +20,8 @@ static const char everything[] =
     "{\"$schema\": \"../schema/scene.schema.json\", \"name\": \"All \\u00e9 \\\"keys\\\"\","
     "\"camera\": {\"eye\": [1, 2, 3.25], \"target\": [0, 0.1, -1e-7], \"fov\": 50},"
     "\"sun\": {\"direction\": [0.3, 1, 0], \"colour\": \"#fff0E0\"}, \"sky\": \"#8090a0\","
-    "\"ground\": {\"kind\": \"terrain\", \"colour\": \"#102030\", \"file\": \"a/b.png\", \"spacing\": 30, \"low\": -5, \"high\": "
+    "\"ground\": {\"kind\": \"terrain\", \"colour\": \"#102030\", \"cover\": \"sand\", \"file\": \"a/b.png\", \"spacing\": 30, "
+    "\"low\": -5, \"high\": "
     "1000,"
     " \"crop\": [1, 2, 30, 40], \"position\": [0, -300, 0], \"water\": {\"height\": 12.5, \"colour\": \"#203040\"}},"
     "\"fields\": [{\"name\": \"f\", \"pack\": \"boulders\", \"seed\": 9007199254740992, \"cell_size\": 0.6, \"origin\": [0.1, 0, "
@@ -48,7 +49,11 @@ static const char everything[] =
     "   \"child\": {\"shape\": \"intersection\", \"children\": [{\"shape\": \"half_space\"}, {\"shape\": \"pattern\"}]}},"
     "  {\"shape\": \"union\", \"children\": [{\"shape\": \"sphere\"}]},"
     "  {\"shape\": \"intersection\", \"children\": [{\"shape\": \"box\"}]}]}},"
-    " {\"pack\": \"x.scree\", \"key\": 0, \"support\": {\"shape\": \"cone\"}}]}";
+    " {\"pack\": \"x.scree\", \"key\": 0, \"support\": {\"shape\": \"cone\"}},"
+    " {\"pack\": \"goblin\", \"spacing\": 3.5, \"seed\": 4, \"scale\": [0.75, 1.25], \"max_slope\": 30, \"weights\": [0.5, 0, 2],"
+    "  \"ages\": {\"file\": \"ages.png\", \"spacing\": 2, \"crop\": [1, 2, 3, 4], \"position\": [5, 0, 6], \"inverted\": true},"
+    "  \"density\": 0.5, \"filters\": [{\"filter\": \"altitude\", \"to\": 9}], \"support\": {\"shape\": \"box\"}},"
+    " {\"models\": [\"tree.glb\", \"a/bush.gltf\"], \"spacing\": 2, \"support\": {\"shape\": \"sphere\"}}]}";
 
 static scree_result parse(const char* text, scene_model* scene, scree_error* error) {
   return scene_parse(text, strlen(text), "s.json", scene, error);
@@ -68,7 +73,7 @@ static void every_key_is_read(void** state) {
   assert_string_equal(scene.ground.map.file, "a/b.png");
   assert_true(scene.ground.map.low == -5 && scene.ground.map.crop[3] == 40 && scene.ground.position[1] == -300);
   assert_true(scene.ground.water && scene.ground.water_height == 12.5 && scene.ground.water_colour[1] == 48 / 255.0f);
-  assert_int_equal(scene.field_count, 2);
+  assert_int_equal(scene.field_count, 4);
   const scene_field* field = &scene.fields[0];
   assert_true(field->seed == UINT64_C(9007199254740992) && field->cell_size == 0.6 && field->threshold == 0.25 && !field->shell);
   assert_true(field->palette.colour_count == 2 && field->palette.variation == 0.5);
@@ -98,6 +103,18 @@ static void every_key_is_read(void** state) {
   assert_true(children[9]->noise.seed == UINT32_MAX && children[9]->noise.octaves == 4 && children[9]->child_count == 1);
   assert_int_equal(children[9]->children[0]->children[0]->kind, SCREE_SHAPE_HALF_SPACE);
   assert_true(scene.fields[1].shell && scene.fields[1].threshold == 0.5 && scene.fields[1].palette.colour_count == 4);
+  assert_false(scene.fields[0].is_scatter || scene.fields[1].is_scatter);
+  const scene_field* hoodoos = &scene.fields[2];
+  assert_true(hoodoos->is_scatter && hoodoos->scatter.spacing == 3.5 && hoodoos->scatter.max_slope == 30 && hoodoos->seed == 4);
+  assert_true(hoodoos->scatter.scale[0] == 0.75 && hoodoos->scatter.scale[1] == 1.25 && hoodoos->density == 0.5);
+  assert_true(hoodoos->scatter.weight_count == 3 && hoodoos->scatter.weights[2] == 2 && hoodoos->filter_count == 1);
+  assert_true(hoodoos->scatter.has_ages && hoodoos->scatter.ages.inverted && hoodoos->scatter.ages.map.crop[2] == 3);
+  assert_true(hoodoos->scatter.ages.position[2] == 6 && hoodoos->scatter.ages.map.spacing == 2);
+  assert_string_equal(hoodoos->scatter.ages.map.file, "ages.png");
+  const scene_field* trees = &scene.fields[3];
+  assert_true(trees->is_scatter && trees->scatter.model_count == 2 && !trees->scatter.has_ages && trees->scatter.max_slope == 45);
+  assert_string_equal(trees->scatter.models[1], "a/bush.gltf");
+  assert_string_equal(trees->pack, "");
   scene_destroy(&scene);
 }
 
@@ -322,6 +339,7 @@ static void removed_field_leaves_the_others(void** state) {
 }
 
 /* A whole scene round one fragment: WITH_NODE's is the support, WITH_ROOT's stands beside the fields. */
+#define WITH_SCATTER(text) "{\"fields\": [{\"spacing\": 1, \"support\": {\"shape\": \"box\"}, " text "}]}"
 #define WITH_NODE(node) "{\"fields\": [{\"pack\": \"boulders\", \"support\": " node "}]}"
 #define WITH_FIELD(keys) "{\"fields\": [{\"pack\": \"boulders\", " keys ", \"support\": {\"shape\": \"sphere\"}}]}"
 #define WITH_ROOT(keys) "{" keys ", \"fields\": []}"
@@ -393,6 +411,26 @@ static void wrong_scene_is_refused_by_name_and_key(void** state) {
        "s.json: fields[0].filters[0].to: expected a number in 0..90, got 91"},
       {WITH_FIELD("\"filters\": [{\"filter\": \"altitude\", \"from\": 2, \"to\": 1}]"),
        "s.json: fields[0].filters[0].to: expected a number >= from (2), got 1"},
+      {WITH_SCATTER("\"seed\": 1"), "s.json: fields[0].pack: key is missing"},
+      {WITH_SCATTER("\"pack\": \"\""), "s.json: fields[0].pack: expected text, got \"\""},
+      {WITH_SCATTER("\"pack\": \"a\", \"models\": [\"b\"]"), "s.json: fields[0].models: a scatter has a pack or models, not both"},
+      {WITH_SCATTER("\"pack\": \"a\", \"cell_size\": 1"), "s.json: fields[0].cell_size: unknown key"},
+      {WITH_SCATTER("\"models\": []"), "s.json: fields[0].models: expected an array of 1..64 files, got an array of 0"},
+      {WITH_SCATTER("\"models\": [\"a\", 3]"), "s.json: fields[0].models[1]: expected a string, got 3"},
+      {WITH_SCATTER("\"models\": [\"\"]"), "s.json: fields[0].models[0]: expected text, got \"\""},
+      {WITH_SCATTER("\"pack\": \"a\", \"scale\": [2, 1]"),
+       "s.json: fields[0].scale: expected the smaller number first, got [2, 1]"},
+      {WITH_SCATTER("\"pack\": \"a\", \"scale\": [0, 1]"), "s.json: fields[0].scale[0]: expected a number > 0 and <= 1e+06, got 0"},
+      {WITH_SCATTER("\"pack\": \"a\", \"max_slope\": 81"), "s.json: fields[0].max_slope: expected a number > 0 and <= 80, got 81"},
+      {WITH_SCATTER("\"pack\": \"a\", \"weights\": [0, 0]"), "s.json: fields[0].weights: expected one number that is not 0"},
+      {WITH_SCATTER("\"pack\": \"a\", \"weights\": [1, -1]"),
+       "s.json: fields[0].weights[1]: expected a number in 0..1e+06, got -1"},
+      {WITH_SCATTER("\"pack\": \"a\", \"ages\": {}"), "s.json: fields[0].ages.file: key is missing"},
+      {WITH_SCATTER("\"pack\": \"a\", \"ages\": {\"file\": \"b\", \"from\": 1}"), "s.json: fields[0].ages.from: unknown key"},
+      {"{\"fields\": [{\"models\": [\"a\"], \"support\": {\"shape\": \"box\"}}]}", "s.json: fields[0].spacing: key is missing"},
+      {"{\"fields\": [{\"pack\": \"a\", \"spacing\": 0, \"support\": {\"shape\": \"box\"}}]}",
+       "s.json: fields[0].spacing: expected a number > 0, got 0"},
+      {WITH_FIELD("\"scale\": [1, 1]"), "s.json: fields[0].scale: unknown key"},
       {WITH_FIELD("\"palette\": {\"colours\": []}"),
        "s.json: fields[0].palette.colours: expected an array of 1..8 colours, got an array of 0"},
       {WITH_FIELD("\"palette\": {\"colours\": [\"#000000\", 1]}"),
