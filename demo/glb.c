@@ -28,6 +28,8 @@ static const struct {
     [GLB_INDICES32] = {4, TYPE_UNSIGNED_INT, "SCALAR", false, false, TARGET_INDICES},
     [GLB_TRANSLATIONS] = {12, TYPE_FLOAT, "VEC3", false, false, 0},
     [GLB_INSTANCE_COLOURS] = {12, TYPE_FLOAT, "VEC3", false, false, 0},
+    [GLB_ROTATIONS] = {16, TYPE_FLOAT, "VEC4", false, false, 0},
+    [GLB_SCALES] = {12, TYPE_FLOAT, "VEC3", false, false, 0},
     [GLB_BLOBS] = {1, TYPE_UNSIGNED_BYTE, "SCALAR", false, false, 0},
 };
 
@@ -240,6 +242,14 @@ uint32_t glb_add_node(glb_writer* w, const glb_node* node) {
     }
     buffer_add(t, "]");
   }
+  if (node->rotation[1] != 0 || node->rotation[3] != 0 || node->rotation[0] != 0 || node->rotation[2] != 0) {
+    node_key(t, &first, "rotation");
+    for (int i = 0; i < 4; ++i) {
+      buffer_add(t, i > 0 ? "," : "[");
+      buffer_number(t, node->rotation[i]);
+    }
+    buffer_add(t, "]");
+  }
   if (node->scale != 0 && node->scale != 1) {
     node_key(t, &first, "scale");
     for (int i = 0; i < 3; ++i) {
@@ -252,6 +262,8 @@ uint32_t glb_add_node(glb_writer* w, const glb_node* node) {
     w->has_instances = true;
     node_key(t, &first, "extensions");
     buffer_format(t, "{\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"TRANSLATION\":%u", node->translations);
+    if (node->rotations != GLB_NONE) buffer_format(t, ",\"ROTATION\":%u", node->rotations);
+    if (node->scales != GLB_NONE) buffer_format(t, ",\"SCALE\":%u", node->scales);
     if (node->instance_colours != GLB_NONE) buffer_format(t, ",\"_COLOR_0\":%u", node->instance_colours);
     buffer_add(t, "}}}");
   }

@@ -23,8 +23,10 @@ typedef enum glb_stream {
   GLB_INDICES32 = 4,
   GLB_TRANSLATIONS = 5,     /* 3 floats an instance */
   GLB_INSTANCE_COLOURS = 6, /* 3 floats an instance */
-  GLB_BLOBS = 7,            /* Draco bytes */
-  GLB_STREAMS = 8
+  GLB_ROTATIONS = 7,        /* 4 floats an instance: a unit quaternion x, y, z, w */
+  GLB_SCALES = 8,           /* 3 floats an instance */
+  GLB_BLOBS = 9,            /* Draco bytes */
+  GLB_STREAMS = 10
 } glb_stream;
 
 typedef struct glb_writer glb_writer;
@@ -66,8 +68,10 @@ typedef struct glb_node {
   const char* name;                        /* may be NULL */
   uint32_t mesh;                           /* GLB_NONE = none */
   double translation[3];                   /* metres */
+  double rotation[4];                      /* unit quaternion x, y, z, w; all 0 = none */
   double scale;                            /* 0 = 1 */
   uint32_t translations, instance_colours; /* accessors of EXT_mesh_gpu_instancing; GLB_NONE = a plain node */
+  uint32_t rotations, scales;              /* likewise; GLB_NONE = instances are neither turned nor scaled */
   uint32_t first_child, child_count;       /* nodes that were added before, in one run */
   bool is_root;                            /* stands in the scene itself */
 } glb_node;

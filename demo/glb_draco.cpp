@@ -26,10 +26,10 @@ uint32_t add_attribute(draco::Mesh& mesh, draco::GeometryAttribute::Type kind, d
   return mesh.attribute(id)->unique_id();
 }
 
-scree_result encode(const scree_vertex* vertices, uint32_t vertex_count, const uint32_t* indices, uint32_t triangle_count,
-                    glb_draco* out) {
+scree_result encode(const scree_vertex* vertices, const uint8_t* rgba, uint32_t vertex_count, const uint32_t* indices,
+                    uint32_t triangle_count, glb_draco* out) {
   std::vector<float> positions, normals;
-  std::vector<uint8_t> colours;
+  const std::vector<uint8_t> colours(rgba, rgba + 4 * size_t(vertex_count));
   int largest = 1;
   for (uint32_t i = 0; i < vertex_count; ++i) {
     const scree_vertex& v = vertices[i];
@@ -38,7 +38,6 @@ scree_result encode(const scree_vertex* vertices, uint32_t vertex_count, const u
       normals.push_back(float(v.normal[k]) / 32767.0f);
       largest = std::max(largest, std::abs(int(v.position[k])));
     }
-    colours.insert(colours.end(), {v.occlusion, v.occlusion, v.occlusion, uint8_t(255)});
   }
   draco::Mesh mesh;
   mesh.set_num_points(vertex_count);
@@ -75,11 +74,11 @@ scree_result encode(const scree_vertex* vertices, uint32_t vertex_count, const u
 
 }  // namespace
 
-extern "C" scree_result glb_draco_encode(const scree_vertex* vertices, uint32_t vertex_count, const uint32_t* indices,
-                                         uint32_t triangle_count, glb_draco* out) {
+extern "C" scree_result glb_draco_encode(const scree_vertex* vertices, const uint8_t* colours, uint32_t vertex_count,
+                                         const uint32_t* indices, uint32_t triangle_count, glb_draco* out) {
   *out = glb_draco{};
   try {
-    return encode(vertices, vertex_count, indices, triangle_count, out);
+    return encode(vertices, colours, vertex_count, indices, triangle_count, out);
   } catch (const std::bad_alloc&) {
     return SCREE_ERROR_OUT_OF_MEMORY;
   } catch (...) {

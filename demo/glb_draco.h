@@ -17,10 +17,10 @@ typedef struct glb_draco {
 } glb_draco;
 
 /* Positions decode to exactly the integers that go in, as floats; normals to about half a degree.
- * indices: 3 * triangle_count, each < vertex_count. Returns SCREE_OK, CORRUPT (Draco refuses the mesh) or
- * OUT_OF_MEMORY. Thread-safe. */
-scree_result glb_draco_encode(const scree_vertex* vertices, uint32_t vertex_count, const uint32_t* indices, uint32_t triangle_count,
-                              glb_draco* out);
+ * colours: 4 * vertex_count. indices: 3 * triangle_count, each < vertex_count. Returns SCREE_OK, CORRUPT (Draco refuses the mesh)
+ * or OUT_OF_MEMORY. Thread-safe. */
+scree_result glb_draco_encode(const scree_vertex* vertices, const uint8_t* colours, uint32_t vertex_count, const uint32_t* indices,
+                              uint32_t triangle_count, glb_draco* out);
 
 #ifdef __cplusplus
 }

@@ -33,6 +33,38 @@ scree_result pack_source(const scree_pack* pack, render_source* out) {
       return result;
     }
   }
-  *out = (render_source){info.asset_count, info.lod_count, (float)info.lattice_per_cell, assets, decode, (void*)(uintptr_t)pack};
+  *out = (render_source){.asset_count = info.asset_count,
+                         .lod_count = info.lod_count,
+                         .lattice_per_cell = (float)info.lattice_per_cell,
+                         .assets = assets,
+                         .decode = decode,
+                         .user = (void*)(uintptr_t)pack,
+                         .look = info.kind == SCREE_PACK_MODELS ? RENDER_LOOK_HOODOO : RENDER_LOOK_STONE};
+  return SCREE_OK;
+}
+
+static bool place(void* user, uint32_t asset, uint32_t lod, scree_vertex* vertices, uint16_t* indices) {
+  (void)lod;
+  scene_models_vertices(user, asset, vertices, indices);
+  return true;
+}
+
+scree_result models_source(const scene_models* models, render_source* out) {
+  render_asset* assets = calloc(models->count, sizeof *assets);
+  if (assets == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
+  for (uint32_t i = 0; i < models->count; ++i) {
+    const scene_model_mesh* m = &models->models[i];
+    memcpy(assets[i].centre, m->centre, sizeof assets[i].centre);
+    assets[i].radius = m->radius;
+    assets[i].vertices[0] = m->mesh.vertex_count;
+    assets[i].triangles[0] = m->mesh.triangle_count;
+  }
+  *out = (render_source){.asset_count = models->count,
+                         .lod_count = 1,
+                         .lattice_per_cell = models->steps_per_metre,
+                         .assets = assets,
+                         .decode = place,
+                         .user = (void*)(uintptr_t)models,
+                         .look = RENDER_LOOK_PAINTED};
   return SCREE_OK;
 }

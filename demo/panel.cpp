@@ -268,14 +268,27 @@ bool filter_widgets(scene_field* field) {
   return changed;
 }
 
+// What only a scatter has.
+bool scatter_widgets(scene_scatter* scatter) {
+  bool changed = drag("spacing", &scatter->spacing, 0.01, 0.05, kLarge, "%.2f m");
+  changed |= drag("smallest", &scatter->scale[0], 0.005, 0.01, scatter->scale[1]);
+  changed |= drag("largest", &scatter->scale[1], 0.005, scatter->scale[0], 100);
+  changed |= drag("steepest", &scatter->max_slope, 0.2, 1, 80, "%.0f degrees");
+  if (scatter->has_ages) {
+    ImGui::TextDisabled("ages by %s", scatter->ages.map.file);
+    changed |= ImGui::Checkbox("black is old", &scatter->ages.inverted);
+  }
+  return changed;
+}
+
 void field_widgets(panel* p, panel_view* v) {
   editor* e = v->edit;
   scene_model* scene = e->scene;
   for (uint32_t i = 0; i < scene->field_count; ++i) {
     char label[SCENE_NAME_SIZE + SCENE_FILE_SIZE + 64];
     const scene_field* f = &scene->fields[i];
-    std::snprintf(label, sizeof label, "%s  %u stones of %s##%u", f->name[0] != 0 ? f->name : "field", v->stone_counts[i], f->pack,
-                  i);
+    std::snprintf(label, sizeof label, "%s  %u %s of %s##%u", f->name[0] != 0 ? f->name : "field", v->stone_counts[i],
+                  f->is_scatter ? "models" : "stones", f->scatter.model_count > 0 ? f->scatter.models[0] : f->pack, i);
     if (ImGui::Selectable(label, e->field == i) && e->field != i) {
       e->field = i;
       e->node = nullptr;
@@ -284,19 +297,28 @@ void field_widgets(panel* p, panel_view* v) {
   if (e->field >= scene->field_count) return;
   scene_field* field = &scene->fields[e->field];
   bool changed = false;
-  pack_widgets(p, v, field, &changed);
+  if (field->is_scatter && field->scatter.model_count > 0)
+    for (uint32_t i = 0; i < field->scatter.model_count; ++i) ImGui::TextDisabled("%s", field->scatter.models[i]);
+  else
+    pack_widgets(p, v, field, &changed);
   static const uint64_t step = 1, seed_most = UINT64_C(1) << 53;
   if (ImGui::InputScalar("seed", ImGuiDataType_U64, &field->seed, &step)) {
     field->seed = std::min(field->seed, seed_most);
     changed = true;
   }
-  changed |= drag("cell size", &field->cell_size, 0.002, 0.01, 1000, "%.3f m");
+  if (field->is_scatter)
+    changed |= scatter_widgets(&field->scatter);
+  else
+    changed |= drag("cell size", &field->cell_size, 0.002, 0.01, 1000, "%.3f m");
   if (changed) {
     edit_touch(e, SCENE_CHANGED_PACK);
     p->edited = true;
   }
-  bool shape = drag("threshold", &field->threshold, 0.002, 0.01, 0.99);
-  shape |= ImGui::Checkbox("leave out what nobody sees", &field->shell);
+  bool shape = false;
+  if (!field->is_scatter) {
+    shape |= drag("threshold", &field->threshold, 0.002, 0.01, 0.99);
+    shape |= ImGui::Checkbox("leave out what nobody sees", &field->shell);
+  }
   shape |= drag("density", &field->density, 0.002, 0.001, 1);
   shape |= filter_widgets(field);
   if (shape) {
@@ -399,6 +421,7 @@ void light_widgets(panel* p, panel_view* v) {
   changed |= ImGui::ColorEdit3("sun", scene->sun.colour);
   changed |= ImGui::ColorEdit3("sky", scene->sky);
   changed |= ImGui::ColorEdit3("ground", scene->ground.colour);
+  changed |= ImGui::Checkbox("sand", &scene->ground.sand);
   if (scene->ground.kind == SCENE_GROUND_PLANE) changed |= drag("ground height", &scene->ground.height, 0.02, -kLarge, kLarge);
   if (scene->ground.kind == SCENE_GROUND_TERRAIN && scene->ground.water) {
     changed |= ImGui::ColorEdit3("water", scene->ground.water_colour);

@@ -10,6 +10,7 @@
 #include "render_lights.h"
 #include "render_list.h"
 #include "render_programs.h"
+#include "render_solid.h"
 #include "render_targets.h"
 #include "render_textures.h"
 
@@ -23,7 +24,9 @@
 #define KIND_GROUND (2u << 8)
 #define KIND_TERRAIN (3u << 8)
 #define KIND_WATER (4u << 8)
+#define KIND_MODEL (5u << 8)
 #define TAG_WIRE (1u << 4)
+#define CASTERS UINT32_MAX
 
 /* Mirrors frame.glsl, std140: nothing but vectors of four. */
 typedef struct frame_block {
@@ -38,11 +41,6 @@ typedef struct frame_block {
   int32_t mode[4];
 } frame_block;
 
-typedef struct solid {
-  uint32_t vertex_array, vertex_buffer, index_buffer, index_count;
-  float min[3], max[3];
-} solid;
-
 struct render {
   bool indirect;
   render_programs programs;
@@ -55,7 +53,7 @@ struct render {
   uint32_t noise, detail;
   uint32_t frame_buffer, instance_buffer, command_buffer;
   uint32_t empty_array, segment_array, segment_buffer;
-  solid ground, terrain;
+  render_solid ground, terrain;
   render_stone* stones;
   uint8_t* levels; /* of each stone in the camera's view */
   uint32_t stone_count;
@@ -82,27 +80,6 @@ static void cross3(const float a[3], const float b[3], float out[3]) {
 static void bind_texture(GLuint unit, GLenum target, GLuint texture) {
   glActiveTexture(GL_TEXTURE0 + unit);
   glBindTexture(target, texture);
-}
-
-static void solid_create(solid* s) {
-  memset(s, 0, sizeof *s);
-  glGenVertexArrays(1, &s->vertex_array);
-  glGenBuffers(1, &s->vertex_buffer);
-  glGenBuffers(1, &s->index_buffer);
-  glBindVertexArray(s->vertex_array);
-  glBindBuffer(GL_ARRAY_BUFFER, s->vertex_buffer);
-  glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, s->index_buffer);
-  glEnableVertexAttribArray(0);
-  glEnableVertexAttribArray(1);
-  glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, 6 * sizeof(float), (const void*)0);
-  glVertexAttribPointer(1, 3, GL_FLOAT, GL_FALSE, 6 * sizeof(float), buffer_offset(3 * sizeof(float)));
-  glBindVertexArray(0);
-}
-
-static void solid_destroy(solid* s) {
-  glDeleteVertexArrays(1, &s->vertex_array);
-  glDeleteBuffers(1, &s->vertex_buffer);
-  glDeleteBuffers(1, &s->index_buffer);
 }
 
 static void segments_create(render* r) {
@@ -135,8 +112,8 @@ scree_result render_create(const render_desc* desc, render** out, scree_error* e
   glGenBuffers(1, &r->frame_buffer);
   glGenVertexArrays(1, &r->empty_array);
   render_cache_create(&r->cache, r->instance_buffer, &desc->jobs);
-  solid_create(&r->ground);
-  solid_create(&r->terrain);
+  render_solid_create(&r->ground);
+  render_solid_create(&r->terrain);
   segments_create(r);
   scree_result result = render_programs_create(&r->programs, error);
   if (result == SCREE_OK) {
@@ -169,8 +146,8 @@ void render_destroy(render* r) {
   render_programs_destroy(&r->programs);
   render_targets_destroy(&r->targets);
   render_shadows_destroy(&r->shadows);
-  solid_destroy(&r->ground);
-  solid_destroy(&r->terrain);
+  render_solid_destroy(&r->ground);
+  render_solid_destroy(&r->terrain);
   const GLuint textures[] = {r->noise, r->detail};
   const GLuint buffers[] = {r->instance_buffer, r->command_buffer, r->frame_buffer, r->segment_buffer};
   const GLuint arrays[] = {r->empty_array, r->segment_array};
@@ -225,10 +202,11 @@ scree_result render_set_stones(render* r, const render_stone* stones, uint32_t c
   for (uint32_t i = 0; i < count; ++i) {
     const render_asset* asset = &r->cache.sources[stones[i].source].assets[stones[i].asset];
     const float size = stones[i].cell_size;
+    float centre[3];
+    render_stone_centre(&stones[i], asset, centre);
     for (int a = 0; a < 3; ++a) {
-      float centre = stones[i].position[a] + asset->centre[a] * size;
-      r->stones_min[a] = fminf(r->stones_min[a], centre - asset->radius * size);
-      r->stones_max[a] = fmaxf(r->stones_max[a], centre + asset->radius * size);
+      r->stones_min[a] = fminf(r->stones_min[a], centre[a] - asset->radius * size);
+      r->stones_max[a] = fmaxf(r->stones_max[a], centre[a] + asset->radius * size);
     }
     smallest = fminf(smallest, size);
   }
@@ -236,75 +214,10 @@ scree_result render_set_stones(render* r, const render_stone* stones, uint32_t c
   return SCREE_OK;
 }
 
-/* Interleaves into the vertex buffer and notes the bounds. */
-static scree_result solid_fill(solid* s, const float* positions, const float* normals, uint32_t vertex_count,
-                               const uint32_t* indices, uint32_t index_count) {
-  s->index_count = 0;
-  if (vertex_count == 0 || index_count == 0) return SCREE_OK;
-  float* vertices = malloc((size_t)vertex_count * 6 * sizeof *vertices);
-  if (vertices == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
-  for (int a = 0; a < 3; ++a) {
-    s->min[a] = INFINITY;
-    s->max[a] = -INFINITY;
-  }
-  for (uint32_t i = 0; i < vertex_count; ++i)
-    for (int a = 0; a < 3; ++a) {
-      vertices[6 * i + a] = positions[3 * i + a];
-      vertices[6 * i + 3 + a] = normals[3 * i + a];
-      s->min[a] = fminf(s->min[a], positions[3 * i + a]);
-      s->max[a] = fmaxf(s->max[a], positions[3 * i + a]);
-    }
-  while (glGetError() != GL_NO_ERROR) continue;
-  glBindVertexArray(0);
-  glBindBuffer(GL_ARRAY_BUFFER, s->vertex_buffer);
-  glBufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(vertex_count * 6 * sizeof *vertices), vertices, GL_STATIC_DRAW);
-  glBindBuffer(GL_COPY_WRITE_BUFFER, s->index_buffer);
-  glBufferData(GL_COPY_WRITE_BUFFER, (GLsizeiptr)(index_count * sizeof *indices), indices, GL_STATIC_DRAW);
-  free(vertices);
-  if (glGetError() != GL_NO_ERROR) return SCREE_ERROR_OUT_OF_MEMORY;
-  s->index_count = index_count;
-  return SCREE_OK;
-}
-
 scree_result render_set_terrain(render* r, const float* positions, const float* normals, uint32_t vertex_count,
                                 const uint32_t* indices, uint32_t index_count) {
   r->last.width = 0;
-  return solid_fill(&r->terrain, positions, normals, vertex_count, indices, index_count);
-}
-
-/* A disc round the place below the eye, finer towards its middle so that no triangle is so long that its depth turns to noise. */
-static scree_result ground_disc(render* r, const float eye[3], float height, float radius) {
-  enum { SPOKES = 64, RINGS = 12 };
-  float positions[3 * (SPOKES * RINGS + 1)], normals[3 * (SPOKES * RINGS + 1)];
-  uint32_t indices[SPOKES * 3 + SPOKES * (RINGS - 1) * 6], count = 0;
-  for (int ring = 0; ring < RINGS; ++ring) {
-    float far = radius * powf(0.35f, (float)(RINGS - 1 - ring));
-    for (int spoke = 0; spoke < SPOKES; ++spoke) {
-      float angle = (float)spoke * (6.2831853f / SPOKES);
-      float* p = positions + 3 * (1 + ring * SPOKES + spoke);
-      p[0] = eye[0] + far * cosf(angle);
-      p[1] = height;
-      p[2] = eye[2] + far * sinf(angle);
-      uint32_t here = (uint32_t)(1 + ring * SPOKES + spoke), next = (uint32_t)(1 + ring * SPOKES + (spoke + 1) % SPOKES);
-      if (ring == 0) {
-        const uint32_t triangle[3] = {0, next, here};
-        memcpy(indices + count, triangle, sizeof triangle);
-        count += 3;
-      } else {
-        const uint32_t quad[6] = {here, here - SPOKES, next, next, here - SPOKES, next - SPOKES};
-        memcpy(indices + count, quad, sizeof quad);
-        count += 6;
-      }
-    }
-  }
-  positions[0] = eye[0];
-  positions[1] = height;
-  positions[2] = eye[2];
-  for (int i = 0; i <= SPOKES * RINGS; ++i) {
-    normals[3 * i] = normals[3 * i + 2] = 0;
-    normals[3 * i + 1] = 1;
-  }
-  return solid_fill(&r->ground, positions, normals, SPOKES * RINGS + 1, indices, count);
+  return render_solid_fill(&r->terrain, positions, normals, vertex_count, indices, index_count);
 }
 
 /* --- Preparing a picture --- */
@@ -387,6 +300,7 @@ static void prepare_sun(render* r, const render_picture* p) {
     f->ground_colour[a] = p->ground_colour[a];
     f->water[a] = p->water_colour[a];
   }
+  f->ground_colour[3] = p->ground_sand ? 1 : 0;
 
   r->cascade_count = 0;
   if (!p->shadows_off && r->stone_count > 0) {
@@ -423,7 +337,8 @@ static render_view camera_view(const render* r, const render_picture* p) {
                       .pixel = f->eye[3],
                       .pixel_error = (p->pixel_error > 0 ? p->pixel_error : PIXEL_ERROR) * (p->draft ? 3 : 1),
                       .lod = p->lod,
-                      .tags = KIND_STONE};
+                      .tags = KIND_STONE,
+                      .model_tags = KIND_MODEL};
   memcpy(view.eye, f->eye, sizeof view.eye);
   for (int i = 0; i < 5; ++i) {
     const float* side = i < 2 ? f->right : f->up;
@@ -496,11 +411,24 @@ static scree_result prepare_stones(render* r, const render_picture* p) {
 
 /* --- Drawing --- */
 
-/* first_command: where this list's commands begin in the command buffer. */
-static void draw_list(render* r, const render_list* list, uint32_t first_command) {
+/* Stones and models have programs of their own. */
+static void use_program_of(const render* r, render_look look, uint32_t extra_tags) {
+  if (look == RENDER_LOOK_STONE) {
+    glUseProgram(r->programs.stone);
+    glUniform1ui(r->programs.stone_extra_tags, extra_tags);
+    return;
+  }
+  glUseProgram(r->programs.model);
+  glUniform1ui(r->programs.model_extra_tags, extra_tags);
+  glUniform1i(r->programs.model_painted, look == RENDER_LOOK_PAINTED);
+}
+
+/* first_command: where this list's commands begin in the command buffer. extra_tags: CASTERS keeps the program that is in use. */
+static void draw_list(render* r, const render_list* list, uint32_t first_command, uint32_t extra_tags) {
   for (uint32_t s = 0; s < list->span_count; ++s) {
     const render_span* span = &list->spans[s];
     const render_meshes* meshes = &r->cache.sources[span->source].meshes;
+    if (extra_tags != CASTERS) use_program_of(r, r->cache.sources[span->source].source.look, extra_tags);
     glBindVertexArray(meshes->vertex_array);
     if (r->indirect) {
       glBindBuffer(GL_DRAW_INDIRECT_BUFFER, r->command_buffer);
@@ -521,20 +449,14 @@ static void draw_list(render* r, const render_list* list, uint32_t first_command
   glBindVertexArray(0);
 }
 
-static void draw_solid(const solid* s) {
-  if (s->index_count == 0) return;
-  glBindVertexArray(s->vertex_array);
-  glDrawElements(GL_TRIANGLES, (GLsizei)s->index_count, GL_UNSIGNED_INT, NULL);
-  glBindVertexArray(0);
-}
-
 static void draw_shadows(render* r) {
   glBindFramebuffer(GL_FRAMEBUFFER, r->shadows.frame);
   glViewport(0, 0, (GLsizei)r->shadows.size, (GLsizei)r->shadows.size);
   glEnable(GL_DEPTH_TEST);
   glDepthMask(GL_TRUE);
   glUseProgram(r->programs.caster);
-  glVertexAttrib4f(3, 0, 0, 0, 1); /* the place of what has no instances */
+  glVertexAttrib4f(3, 0, 0, 0, 1); /* the place and turn of what has no instances */
+  glVertexAttrib2f(5, 0, 1);
   uint32_t first_command = r->view_list.command_count;
   for (uint32_t c = 0; c < r->cascade_count; ++c) {
     glFramebufferTextureLayer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, r->shadows.texture, 0, (GLint)c);
@@ -542,8 +464,8 @@ static void draw_shadows(render* r) {
     float clip[16];
     render_cascade_clip(&r->cascades[c], clip);
     glUniformMatrix4fv(r->programs.caster_clip, 1, GL_FALSE, clip);
-    draw_list(r, &r->cascade_lists[c], first_command);
-    draw_solid(&r->terrain);
+    draw_list(r, &r->cascade_lists[c], first_command, CASTERS);
+    render_solid_draw(&r->terrain);
     first_command += r->cascade_lists[c].command_count;
   }
 }
@@ -608,24 +530,21 @@ static void draw_surfaces(render* r, const render_picture* p) {
   glClearBufferuiv(GL_COLOR, 1, no_tags);
   glClearBufferfv(GL_COLOR, 2, zeroes);
   glClearBufferfv(GL_DEPTH, 0, &farthest);
-  glUseProgram(r->programs.stone);
-  glUniform1ui(r->programs.stone_extra_tags, 0);
-  draw_list(r, &r->view_list, 0);
+  bind_texture(RENDER_UNIT_NOISE, GL_TEXTURE_3D, r->noise);
+  draw_list(r, &r->view_list, 0, 0);
   glUseProgram(r->programs.solid);
   glUniform1ui(r->programs.solid_extra_tags, 0);
   glUniform1ui(r->programs.solid_tags, KIND_TERRAIN);
-  draw_solid(&r->terrain);
+  render_solid_draw(&r->terrain);
   if (p->ground) {
     glUniform1ui(r->programs.solid_tags, p->water ? KIND_WATER : KIND_GROUND);
-    draw_solid(&r->ground);
+    render_solid_draw(&r->ground);
   }
   if (p->wireframe) {
     glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
     glEnable(GL_POLYGON_OFFSET_LINE);
     glPolygonOffset(-1, -2);
-    glUseProgram(r->programs.stone);
-    glUniform1ui(r->programs.stone_extra_tags, TAG_WIRE);
-    draw_list(r, &r->view_list, 0);
+    draw_list(r, &r->view_list, 0, TAG_WIRE);
     glDisable(GL_POLYGON_OFFSET_LINE);
     glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
   }
@@ -699,8 +618,8 @@ static bool same_picture(const render_picture* a, const render_picture* b) {
          a->wireframe == b->wireframe && a->shadows_off == b->shadows_off && a->draft == b->draft &&
          memcmp(a->sun, b->sun, sizeof a->sun) == 0 && memcmp(a->sun_colour, b->sun_colour, sizeof a->sun_colour) == 0 &&
          memcmp(a->sky, b->sky, sizeof a->sky) == 0 && memcmp(a->ground_colour, b->ground_colour, sizeof a->ground_colour) == 0 &&
-         a->ground == b->ground && a->ground_height == b->ground_height && a->water == b->water &&
-         memcmp(a->water_colour, b->water_colour, sizeof a->water_colour) == 0;
+         a->ground_sand == b->ground_sand && a->ground == b->ground && a->ground_height == b->ground_height &&
+         a->water == b->water && memcmp(a->water_colour, b->water_colour, sizeof a->water_colour) == 0;
 }
 
 scree_result render_draw(render* r, const render_picture* picture) {
@@ -719,7 +638,7 @@ scree_result render_draw(render* r, const render_picture* picture) {
     prepare_camera(r, p);
     prepare_sun(r, p);
     if (p->ground) {
-      result = ground_disc(r, p->eye, p->ground_height, 0.98f * r->far_plane);
+      result = render_solid_disc(&r->ground, p->eye, p->ground_height, 0.98f * r->far_plane);
       if (result != SCREE_OK) return result;
     }
     result = prepare_stones(r, p);

@@ -32,6 +32,13 @@ typedef struct render_asset {
   uint32_t triangles[RENDER_LODS];
 } render_asset;
 
+/* What the vertices of a source say beside place and normal. */
+typedef enum render_look {
+  RENDER_LOOK_STONE = 0,  /* nothing: rocks of a pack of tiles */
+  RENDER_LOOK_HOODOO = 1, /* bed, colluvium, durability and curvature: a pack of models; cells are metres */
+  RENDER_LOOK_PAINTED = 2 /* an sRGB colour in the bytes material, durability and curvature; cells are metres */
+} render_look;
+
 /* Where meshes come from: a pack, or a test's own stones. `decode` may run on several threads at once; `vertices` and `indices`
  * have room for what the asset says. Returns false when the mesh cannot be had; that is remembered and drawn as nothing. */
 typedef struct render_source {
@@ -41,12 +48,14 @@ typedef struct render_source {
   const render_asset* assets; /* asset_count; copied */
   bool (*decode)(void* user, uint32_t asset, uint32_t lod, scree_vertex* vertices, uint16_t* indices);
   void* user; /* must outlive the renderer or render_remove_source */
+  render_look look;
 } render_source;
 
-/* One stone in the world. 32 bytes. */
+/* One stone or model in the world. 40 bytes. */
 typedef struct render_stone {
-  float position[3]; /* of the home cell's centre */
-  float cell_size;   /* metres */
+  float position[3]; /* of the home cell's centre; of a model's foot */
+  float cell_size;   /* metres; of a model its scale */
+  float turn[2];     /* sine and cosine of a turn about +Y; both 0 = none */
   uint32_t hash;     /* wear: strata, lichen, speckles */
   uint32_t asset;    /* of its source */
   uint8_t colour[3]; /* sRGB */
@@ -85,6 +94,7 @@ typedef struct render_picture {
   bool water;                     /* the plane is still water */
   float water_colour[3];          /* linear, 0..1: of what is seen when looking straight down */
   float ground_colour[3];         /* linear, 0..1: the mean colour of plane and terrain */
+  bool ground_sand;               /* plane and terrain are of sand, not of earth with grass */
   const render_segment* segments; /* drawn over the picture, dimmed where something hides them */
   uint32_t segment_count;
   uint32_t decode_budget; /* meshes to decode at most in this call, for pictures that must not wait; 0 = all that are missing */

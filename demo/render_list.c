@@ -35,6 +35,14 @@ uint32_t render_choose_lod(const render_view* view, const render_asset* asset, u
   return lod;
 }
 
+void render_stone_centre(const render_stone* stone, const render_asset* asset, float centre[3]) {
+  const float size = stone->cell_size, sine = stone->turn[0], *c = asset->centre;
+  const float cosine = sine == 0 && stone->turn[1] == 0 ? 1 : stone->turn[1];
+  centre[0] = stone->position[0] + (cosine * c[0] + sine * c[2]) * size;
+  centre[1] = stone->position[1] + c[1] * size;
+  centre[2] = stone->position[2] + (cosine * c[2] - sine * c[0]) * size;
+}
+
 uint32_t render_pack_size(float metres) {
   float steps = (log2f(metres) + 32.0f) * 1024.0f;
   return steps <= 0 ? 0 : steps >= 65535 ? 65535 : (uint32_t)(steps + 0.5f);
@@ -48,8 +56,8 @@ bool render_list_choose(render_list* list, const render_view* view, render_cache
     const render_cached_source* slot = &cache->sources[stone->source];
     const render_asset* asset = &slot->assets[stone->asset];
     const float size = stone->cell_size, radius = asset->radius * size;
-    const float centre[3] = {stone->position[0] + asset->centre[0] * size, stone->position[1] + asset->centre[1] * size,
-                             stone->position[2] + asset->centre[2] * size};
+    float centre[3];
+    render_stone_centre(stone, asset, centre);
     bool out = false;
     for (uint32_t p = 0; p < view->plane_count && !out; ++p) {
       const float* plane = view->planes[p];
@@ -119,8 +127,12 @@ bool render_list_build(render_list* list, const render_view* view, render_cache*
     render_instance* instance = &list->instances[list->counts[first_row[stone->source] + row]++];
     memcpy(instance->place, stone->position, sizeof stone->position);
     instance->place[3] = stone->cell_size / slot->source.lattice_per_cell;
+    const bool turned = stone->turn[0] != 0 || stone->turn[1] != 0;
+    instance->turn[0] = stone->turn[0];
+    instance->turn[1] = turned ? stone->turn[1] : 1;
     instance->tags[0] = stone->hash;
-    instance->tags[1] = view->tags | lod | render_pack_size(stone->cell_size) << 16;
+    instance->tags[1] =
+        (slot->source.look == RENDER_LOOK_STONE ? view->tags : view->model_tags) | lod | render_pack_size(stone->cell_size) << 16;
     instance->tags[2] = index + 1;
     instance->tags[3] =
         stone->colour[0] | (uint32_t)stone->colour[1] << 8 | (uint32_t)stone->colour[2] << 16 | (uint32_t)stone->tile << 24;

@@ -5,9 +5,10 @@
 #include "render.h"
 #include "render_cache.h"
 
-/* As the vertex shaders read it. 32 bytes. */
+/* As the vertex shaders read it. 40 bytes. */
 typedef struct render_instance {
   float place[4];   /* metres; metres per lattice step */
+  float turn[2];    /* sine and cosine */
   uint32_t tags[4]; /* hash; level, kind and cell size (see frame.glsl); row of the stone + 1; colour and tile code */
 } render_instance;
 
@@ -26,12 +27,13 @@ typedef struct render_span {
 typedef struct render_view {
   float planes[6][4]; /* unit normal into the view, and distance */
   uint32_t plane_count;
-  bool parallel;     /* a shadow cascade: sizes do not shrink with distance */
-  float eye[3];      /* not for parallel views */
-  float pixel;       /* metres across a pixel: at distance 1, or everywhere for a parallel view */
-  float pixel_error; /* pixels that an outline may be off */
-  int32_t lod;       /* >= 0: this level for every stone */
-  uint32_t tags;     /* or'ed into the tags of every instance */
+  bool parallel;       /* a shadow cascade: sizes do not shrink with distance */
+  float eye[3];        /* not for parallel views */
+  float pixel;         /* metres across a pixel: at distance 1, or everywhere for a parallel view */
+  float pixel_error;   /* pixels that an outline may be off */
+  int32_t lod;         /* >= 0: this level for every stone */
+  uint32_t tags;       /* or'ed into the tags of every stone */
+  uint32_t model_tags; /* the same of every model */
 } render_view;
 
 typedef struct render_list {
@@ -48,6 +50,9 @@ typedef struct render_list {
 
 /* The level a view needs for a stone of this asset whose centre is `distance` away. */
 uint32_t render_choose_lod(const render_view* view, const render_asset* asset, uint32_t lod_count, float cell_size, float distance);
+
+/* The middle of the ball that holds a stone. */
+void render_stone_centre(const render_stone* stone, const render_asset* asset, float centre[3]);
 
 /* A length as frame.glsl's tag_size reads it: 16 bits of its logarithm, true to 0.04 %. */
 uint32_t render_pack_size(float metres);

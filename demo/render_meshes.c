@@ -11,6 +11,7 @@ void render_meshes_point_at(uint32_t instance_buffer, uint32_t first) {
   glBindBuffer(GL_ARRAY_BUFFER, instance_buffer);
   glVertexAttribPointer(3, 4, GL_FLOAT, GL_FALSE, sizeof(render_instance), buffer_offset(start + offsetof(render_instance, place)));
   glVertexAttribIPointer(4, 4, GL_UNSIGNED_INT, sizeof(render_instance), buffer_offset(start + offsetof(render_instance, tags)));
+  glVertexAttribPointer(5, 2, GL_FLOAT, GL_FALSE, sizeof(render_instance), buffer_offset(start + offsetof(render_instance, turn)));
 }
 
 static void point_at_vertices(const render_meshes* m) {
@@ -19,6 +20,9 @@ static void point_at_vertices(const render_meshes* m) {
   glVertexAttribPointer(0, 3, GL_SHORT, GL_FALSE, sizeof(scree_vertex), buffer_offset(offsetof(scree_vertex, position)));
   glVertexAttribPointer(1, 3, GL_SHORT, GL_TRUE, sizeof(scree_vertex), buffer_offset(offsetof(scree_vertex, normal)));
   glVertexAttribPointer(2, 1, GL_UNSIGNED_BYTE, GL_TRUE, sizeof(scree_vertex), buffer_offset(offsetof(scree_vertex, occlusion)));
+  glVertexAttribIPointer(6, 1, GL_UNSIGNED_BYTE, sizeof(scree_vertex), buffer_offset(offsetof(scree_vertex, material)));
+  glVertexAttribIPointer(7, 1, GL_UNSIGNED_BYTE, sizeof(scree_vertex), buffer_offset(offsetof(scree_vertex, durability)));
+  glVertexAttribIPointer(8, 1, GL_BYTE, sizeof(scree_vertex), buffer_offset(offsetof(scree_vertex, curvature)));
   glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, m->index_buffer);
   glBindVertexArray(0);
 }
@@ -30,10 +34,11 @@ void render_meshes_create(render_meshes* m, uint32_t instance_buffer) {
   glGenBuffers(1, &m->index_buffer);
   point_at_vertices(m);
   glBindVertexArray(m->vertex_array);
-  for (GLuint attribute = 0; attribute < 5; ++attribute) glEnableVertexAttribArray(attribute);
+  for (GLuint attribute = 0; attribute < 9; ++attribute) glEnableVertexAttribArray(attribute);
   render_meshes_point_at(instance_buffer, 0);
   glVertexAttribDivisor(3, 1);
   glVertexAttribDivisor(4, 1);
+  glVertexAttribDivisor(5, 1);
   glBindVertexArray(0);
 }
 

@@ -84,6 +84,8 @@ static GLuint link(const stage* vertex, const stage* fragment, scree_error* erro
 scree_result render_programs_create(render_programs* programs, scree_error* error) {
   memset(programs, 0, sizeof *programs);
   const stage stone = {GL_VERTEX_SHADER, "stone.vert", {shader_frame_glsl, shader_stone_vert}};
+  const stage model = {GL_VERTEX_SHADER, "model.vert", {shader_frame_glsl, shader_model_vert}};
+  const stage model_surface = {GL_FRAGMENT_SHADER, "model.frag", {shader_frame_glsl, shader_noise_glsl, shader_model_frag}};
   const stage solid = {GL_VERTEX_SHADER, "solid.vert", {shader_frame_glsl, shader_solid_vert}};
   const stage caster = {GL_VERTEX_SHADER, "caster.vert", {shader_caster_vert}};
   const stage fullscreen = {GL_VERTEX_SHADER, "fullscreen.vert", {shader_fullscreen_vert}};
@@ -93,18 +95,21 @@ scree_result render_programs_create(render_programs* programs, scree_error* erro
   const stage light = {GL_FRAGMENT_SHADER,
                        "light.frag",
                        {shader_frame_glsl, shader_noise_glsl, shader_sky_glsl, shader_shadow_glsl, shader_stone_glsl,
-                        shader_ground_glsl, shader_light_frag}};
+                        shader_sandstone_glsl, shader_ground_glsl, shader_light_frag}};
   const stage resolve = {GL_FRAGMENT_SHADER, "resolve.frag", {shader_frame_glsl, shader_resolve_frag}};
   const stage line_fragment = {GL_FRAGMENT_SHADER, "line.frag", {shader_line_frag}};
 
-  if ((programs->stone = link(&stone, &surface, error)) == 0 || (programs->solid = link(&solid, &surface, error)) == 0 ||
-      (programs->caster = link(&caster, NULL, error)) == 0 || (programs->occlusion = link(&fullscreen, &occlusion, error)) == 0 ||
+  if ((programs->stone = link(&stone, &surface, error)) == 0 || (programs->model = link(&model, &model_surface, error)) == 0 ||
+      (programs->solid = link(&solid, &surface, error)) == 0 || (programs->caster = link(&caster, NULL, error)) == 0 ||
+      (programs->occlusion = link(&fullscreen, &occlusion, error)) == 0 ||
       (programs->light = link(&fullscreen, &light, error)) == 0 || (programs->resolve = link(&fullscreen, &resolve, error)) == 0 ||
       (programs->line = link(&line_vertex, &line_fragment, error)) == 0) {
     render_programs_destroy(programs);
     return SCREE_ERROR_UNSUPPORTED;
   }
   programs->stone_extra_tags = glGetUniformLocation(programs->stone, "extra_tags");
+  programs->model_extra_tags = glGetUniformLocation(programs->model, "extra_tags");
+  programs->model_painted = glGetUniformLocation(programs->model, "painted");
   programs->solid_extra_tags = glGetUniformLocation(programs->solid, "extra_tags");
   programs->solid_tags = glGetUniformLocation(programs->solid, "solid_tags");
   programs->caster_clip = glGetUniformLocation(programs->caster, "clip_from_world_caster");
@@ -114,8 +119,8 @@ scree_result render_programs_create(render_programs* programs, scree_error* erro
 }
 
 void render_programs_destroy(render_programs* programs) {
-  const GLuint all[] = {programs->stone, programs->solid,   programs->caster, programs->occlusion,
-                        programs->light, programs->resolve, programs->line};
+  const GLuint all[] = {programs->stone,     programs->model, programs->solid,   programs->caster,
+                        programs->occlusion, programs->light, programs->resolve, programs->line};
   for (size_t i = 0; i < sizeof all / sizeof *all; ++i) glDeleteProgram(all[i]); /* 0 is ignored */
   memset(programs, 0, sizeof *programs);
 }

@@ -1,6 +1,7 @@
 /* Rocks as a .glb file: which meshes and nodes, and what is in them. */
 #include "rock_export.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -33,6 +34,7 @@ typedef struct shape {
   uint32_t asset;
   uint32_t vertex_count, triangle_count;
   scree_vertex* vertices;
+  uint8_t* colours; /* 4 a vertex, linear */
   uint32_t* indices;
   glb_draco draco;
   scree_result result;
@@ -42,7 +44,8 @@ typedef struct layer_state {
   rock_export* out;
   const rock_layer* layer;
   uint32_t lod;
-  float step; /* metres per lattice step */
+  bool hoodoos; /* vertices know their beds */
+  float step;   /* metres per lattice step */
   uint32_t materials[SCENE_PALETTE_MAX * FLAT_SHADES];
   rock* rocks;
   shape* shapes; /* BATCH */
@@ -88,19 +91,31 @@ scree_result rock_export_finish(rock_export* file, rock_export_stats* stats, scr
 }
 
 static uint32_t shade_count(const layer_state* s) {
+  if (s->layer->models != NULL) return 1;
   return s->out->desc.format == ROCK_FORMAT_FLAT && s->layer->palette->variation > 0 ? FLAT_SHADES : 1;
 }
+
+/* What the colours of hoodoos' vertices leave room for above the rock's own: loose grains are paler. */
+#define BRIGHTEST 1.25f
 
 static void add_materials(layer_state* s) {
   const scene_palette* palette = s->layer->palette;
   uint32_t shades = shade_count(s);
+  if (s->layer->models != NULL) {
+    static const float white[3] = {1, 1, 1};
+    s->materials[0] = glb_add_material(s->out->glb, s->layer->name, white);
+    return;
+  }
   for (uint32_t i = 0; i < palette->colour_count; ++i) {
     for (uint32_t k = 0; k < shades; ++k) {
       /* The middle of each span of shades; instanced rocks have their own, so their material is the base colour itself. */
       float shade = shades == 1 ? 1.0f : 1.0f - (float)palette->variation * ((float)k + 0.5f) / (float)shades;
       float colour[3];
       char name[SCENE_NAME_SIZE + 32];
-      for (int c = 0; c < 3; ++c) colour[c] = scene_linear_from_srgb(palette->colours[i][c]) * shade;
+      for (int c = 0; c < 3; ++c) {
+        colour[c] = scene_linear_from_srgb(palette->colours[i][c]) * shade * (s->hoodoos ? BRIGHTEST : 1);
+        if (colour[c] > 1) colour[c] = 1;
+      }
       if (shades == 1) {
         snprintf(name, sizeof name, "%s stone %u", s->layer->name, i + 1);
       } else {
@@ -133,10 +148,48 @@ static bool sort_rocks(layer_state* s) {
       float place = (1.0f - shade) / variation * (float)shades;
       bucket = place < (float)(shades - 1) ? (uint32_t)place : shades - 1;
     }
+    if (layer->models != NULL) base = 0, shade = 1;
     s->rocks[i] = (rock){layer->instances[i].asset, base * shades + bucket, i, shade};
   }
   qsort(s->rocks, layer->count, sizeof *s->rocks, compare_rocks);
   return true;
+}
+
+static uint8_t unit_byte(float value) {
+  return (uint8_t)(value <= 0 ? 0 : value >= 1 ? 255 : 255 * value + 0.5f);
+}
+
+/* The tint of a vertex of a hoodoo: by its bed, or pale where it is of loose grains; darker in hollows. */
+static void hoodoo_tint(const scree_vertex* v, float tint[3]) {
+  static const float pale[3] = {1.0f, 1.02f, 1.05f}, dark[3] = {0.92f, 0.84f, 0.78f}, light[3] = {1.06f, 1.06f, 1.05f};
+  uint32_t h = (uint32_t)(v->material >> 4) * UINT32_C(2654435761) + 97;
+  h = scene_model_hash(h);
+  const float t = (float)(h >> 8) / 16777216.0f, bend = (float)v->curvature / 127.0f;
+  const float level = (1 + 0.2f * (bend < 0 ? bend : 0.4f * bend)) * (float)v->occlusion / 255.0f / BRIGHTEST;
+  const bool is_loose = (v->material & 15) != 0;
+  for (int c = 0; c < 3; ++c) tint[c] = level * (is_loose ? 1.15f * pale[c] : dark[c] + (light[c] - dark[c]) * t);
+}
+
+static void colour_shape(const layer_state* s, shape* it) {
+  for (uint32_t i = 0; i < it->vertex_count; ++i) {
+    uint8_t* colour = &it->colours[4 * (size_t)i];
+    memset(colour, it->vertices[i].occlusion, 3);
+    colour[3] = 255;
+    float tint[3];
+    if (s->hoodoos) hoodoo_tint(&it->vertices[i], tint);
+    if (s->layer->models != NULL) memcpy(tint, &s->layer->models->models[it->asset].mesh.colours[3 * (size_t)i], sizeof tint);
+    for (int c = 0; c < 3 && (s->hoodoos || s->layer->models != NULL); ++c) colour[c] = unit_byte(tint[c]);
+  }
+}
+
+/* A model from a file, on the lattice of its set. */
+static scree_result copy_model(const layer_state* s, shape* it) {
+  uint16_t* narrow = malloc((size_t)it->triangle_count * 3 * sizeof *narrow);
+  if (narrow == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
+  scene_models_vertices(s->layer->models, it->asset, it->vertices, narrow);
+  for (size_t i = 0; i < (size_t)it->triangle_count * 3; ++i) it->indices[i] = narrow[i];
+  free(narrow);
+  return SCREE_OK;
 }
 
 /* Decodes one shape and, for the instanced form, encodes it again: the part that runs on all threads. */
@@ -144,24 +197,38 @@ static void make_shape(void* context, uint32_t index, uint32_t worker) {
   (void)worker;
   layer_state* s = context;
   shape* it = &s->shapes[index];
-  scree_lod lod;
-  it->result = scree_pack_get_lod(s->layer->pack, it->asset, s->lod, &lod);
+  const scene_models* models = s->layer->models;
+  scree_lod lod = {.vertices = 0};
+  it->result = SCREE_OK;
+  if (models == NULL) {
+    it->result = scree_pack_get_lod(s->layer->pack, it->asset, s->lod, &lod);
+  } else if (it->asset < models->count) {
+    lod.vertices = models->models[it->asset].mesh.vertex_count;
+    lod.triangles = models->models[it->asset].mesh.triangle_count;
+  } else {
+    it->result = SCREE_ERROR_INVALID_ARGUMENT;
+  }
   if (it->result != SCREE_OK) return;
   it->vertex_count = lod.vertices;
   it->triangle_count = lod.triangles;
   if (lod.vertices == 0 || lod.triangles == 0) return;
   it->vertices = malloc(lod.vertices * sizeof *it->vertices);
+  it->colours = malloc((size_t)lod.vertices * 4);
   it->indices = malloc((size_t)lod.triangles * 3 * sizeof *it->indices);
   it->result = SCREE_ERROR_OUT_OF_MEMORY;
-  if (it->vertices == NULL || it->indices == NULL) return;
-  it->result =
-      scree_draco_decode_u32(s->layer->pack, it->asset, s->lod, it->vertices, lod.vertices, it->indices, (size_t)lod.triangles * 3);
-  if (it->result != SCREE_OK || s->out->desc.format == ROCK_FORMAT_FLAT) return;
-  it->result = glb_draco_encode(it->vertices, lod.vertices, it->indices, lod.triangles, &it->draco);
+  if (it->vertices == NULL || it->colours == NULL || it->indices == NULL) return;
+  it->result = models != NULL ? copy_model(s, it)
+                              : scree_draco_decode_u32(s->layer->pack, it->asset, s->lod, it->vertices, lod.vertices, it->indices,
+                                                       (size_t)lod.triangles * 3);
+  if (it->result != SCREE_OK) return;
+  colour_shape(s, it);
+  if (s->out->desc.format == ROCK_FORMAT_FLAT) return;
+  it->result = glb_draco_encode(it->vertices, it->colours, lod.vertices, it->indices, lod.triangles, &it->draco);
 }
 
 static void free_shape(shape* it) {
   free(it->vertices);
+  free(it->colours);
   free(it->indices);
   free(it->draco.bytes);
   *it = (shape){0};
@@ -183,9 +250,8 @@ static bool write_plain(layer_state* s, const shape* it, glb_mesh* mesh) {
   glb_writer* glb = s->out->glb;
   uint32_t count = it->vertex_count;
   float* numbers = malloc((size_t)count * 3 * sizeof *numbers);
-  uint8_t* colours = malloc((size_t)count * 4);
   uint16_t* narrow = malloc((size_t)it->triangle_count * 3 * sizeof *narrow);
-  bool good = numbers != NULL && colours != NULL && narrow != NULL;
+  bool good = numbers != NULL && narrow != NULL;
   if (good) {
     float min[3], max[3];
     bounds_of(it, s->step, min, max);
@@ -193,11 +259,7 @@ static bool write_plain(layer_state* s, const shape* it, glb_mesh* mesh) {
     mesh->positions = glb_add_data(glb, GLB_POSITIONS, numbers, count, min, max);
     for (size_t i = 0; i < (size_t)count * 3; ++i) numbers[i] = (float)it->vertices[i / 3].normal[i % 3] / 32767.0f;
     mesh->normals = glb_add_data(glb, GLB_NORMALS, numbers, count, NULL, NULL);
-    for (uint32_t i = 0; i < count; ++i) {
-      memset(&colours[4 * (size_t)i], it->vertices[i].occlusion, 3);
-      colours[4 * (size_t)i + 3] = 255;
-    }
-    mesh->colours = glb_add_data(glb, GLB_COLOURS, colours, count, NULL, NULL);
+    mesh->colours = glb_add_data(glb, GLB_COLOURS, it->colours, count, NULL, NULL);
     /* 65535 is no vertex: it restarts strips. */
     if (count <= UINT16_MAX) {
       for (size_t i = 0; i < (size_t)it->triangle_count * 3; ++i) narrow[i] = (uint16_t)it->indices[i];
@@ -207,7 +269,6 @@ static bool write_plain(layer_state* s, const shape* it, glb_mesh* mesh) {
     }
   }
   free(numbers);
-  free(colours);
   free(narrow);
   return good;
 }
@@ -227,14 +288,50 @@ static void write_draco(layer_state* s, const shape* it, glb_mesh* mesh) {
   mesh->colour_id = it->draco.colour_id;
 }
 
+/* The unit quaternion of a turn about +Y. */
+static void quaternion_of(const rock_turn* turn, double q[4]) {
+  const double c = (double)turn->cosine, s = (double)turn->sine;
+  q[0] = q[2] = 0;
+  if (c > -0.5) {
+    q[3] = sqrt(0.5 * (1 + c));
+    q[1] = 0.5 * s / q[3];
+  } else {
+    q[1] = sqrt(0.5 * (1 - c));
+    q[3] = 0.5 * s / q[1];
+  }
+}
+
+/* Rotation and scale of each instance. */
+static bool write_turns(layer_state* s, const rock* rocks, uint32_t count, glb_node* node) {
+  float* numbers = malloc((size_t)count * 7 * sizeof *numbers);
+  if (numbers == NULL) return false;
+  float* scales = numbers + (size_t)count * 4;
+  for (uint32_t i = 0; i < count; ++i) {
+    const rock_turn* turn = &s->layer->turns[rocks[i].row];
+    double q[4];
+    quaternion_of(turn, q);
+    for (size_t k = 0; k < 4; ++k) numbers[4 * (size_t)i + k] = (float)q[k];
+    for (size_t k = 0; k < 3; ++k) scales[3 * (size_t)i + k] = turn->scale;
+  }
+  node->rotations = glb_add_data(s->out->glb, GLB_ROTATIONS, numbers, count, NULL, NULL);
+  node->scales = glb_add_data(s->out->glb, GLB_SCALES, scales, count, NULL, NULL);
+  free(numbers);
+  return true;
+}
+
 /* Nodes of `count` rocks that share shape and material. */
 static bool write_rocks(layer_state* s, const rock* rocks, uint32_t count, uint32_t mesh) {
   glb_writer* glb = s->out->glb;
   const scree_instance* instances = s->layer->instances;
-  glb_node node = {.mesh = mesh, .translations = GLB_NONE, .instance_colours = GLB_NONE};
+  const rock_turn* turns = s->layer->turns;
+  glb_node node = {.mesh = mesh, .translations = GLB_NONE, .instance_colours = GLB_NONE, .rotations = GLB_NONE, .scales = GLB_NONE};
   if (s->out->desc.format == ROCK_FORMAT_FLAT) {
     for (uint32_t i = 0; i < count; ++i) {
       for (int k = 0; k < 3; ++k) node.translation[k] = (double)instances[rocks[i].row].position[k];
+      if (turns != NULL) {
+        quaternion_of(&turns[rocks[i].row], node.rotation);
+        node.scale = (double)turns[rocks[i].row].scale;
+      }
       glb_add_node(glb, &node);
       ++s->nodes;
     }
@@ -252,6 +349,7 @@ static bool write_rocks(layer_state* s, const rock* rocks, uint32_t count, uint3
   node.translations = glb_add_data(glb, GLB_TRANSLATIONS, places, count, NULL, NULL);
   node.instance_colours = glb_add_data(glb, GLB_INSTANCE_COLOURS, shades, count, NULL, NULL);
   free(places);
+  if (turns != NULL && !write_turns(s, rocks, count, &node)) return false;
   glb_add_node(glb, &node);
   ++s->nodes;
   return true;
@@ -330,6 +428,8 @@ static scree_result add_layer(layer_state* s, scree_error* error) {
                     .translation = {layer->origin[0], layer->origin[1], layer->origin[2]},
                     .translations = GLB_NONE,
                     .instance_colours = GLB_NONE,
+                    .rotations = GLB_NONE,
+                    .scales = GLB_NONE,
                     .first_child = s->first_node,
                     .child_count = s->nodes,
                     .is_root = true};
@@ -342,11 +442,16 @@ scree_result rock_export_add(rock_export* file, const rock_layer* layer, rock_ex
   if (layer->count > INT32_MAX) return fail_with(error, SCREE_ERROR_RANGE, "%s: more than 2^31 rocks", layer->name);
   if (layer->palette->colour_count < 1 || layer->palette->colour_count > SCENE_PALETTE_MAX)
     return fail_with(error, SCREE_ERROR_RANGE, "%s: the palette needs 1..%d colours", layer->name, SCENE_PALETTE_MAX);
-  scree_pack_info info;
-  scree_pack_get_info(layer->pack, &info);
   layer_state s = {.out = file, .layer = layer};
-  s.lod = file->desc.lod < info.lod_count ? file->desc.lod : info.lod_count - 1;
-  s.step = (float)(layer->cell_size / info.lattice_per_cell);
+  if (layer->models != NULL) {
+    s.step = (float)(layer->cell_size / (double)layer->models->steps_per_metre);
+  } else {
+    scree_pack_info info;
+    scree_pack_get_info(layer->pack, &info);
+    s.lod = file->desc.lod < info.lod_count ? file->desc.lod : info.lod_count - 1;
+    s.step = (float)(layer->cell_size / info.lattice_per_cell);
+    s.hoodoos = info.kind == SCREE_PACK_MODELS;
+  }
   s.first_node = glb_node_count(file->glb);
   s.shapes = calloc(BATCH, sizeof *s.shapes);
   scree_result result;

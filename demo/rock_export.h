@@ -11,7 +11,7 @@
 
 #include <scree/field.h>
 
-#include "scene.h"
+#include "scene_models.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -28,15 +28,23 @@ typedef struct rock_export_desc {
   void* user;
 } rock_export_desc;
 
-/* Rocks of one field, or any others of one pack. */
+/* How a model stands: turned about +Y, then scaled. */
+typedef struct rock_turn {
+  float sine, cosine, scale;
+} rock_turn;
+
+/* Rocks of one field, models of one scatter, or any others of one pack or set of models. Hoodoos have the tints of their beds and
+ * of what crumbled off them in the colours of their vertices, models from files their own colours there and a white material. */
 typedef struct rock_layer {
-  const char* name; /* of the node */
-  const scree_pack* pack;
-  double cell_size; /* metres */
-  double origin[3]; /* world place that positions are relative to, metres */
+  const char* name;           /* of the node */
+  const scree_pack* pack;     /* or NULL, and */
+  const scene_models* models; /* of files; instances' assets are their numbers */
+  double cell_size;           /* metres; of models 1 */
+  double origin[3];           /* world place that positions are relative to, metres */
   const scene_palette* palette;
   const scree_instance* instances; /* `count` */
   const uint32_t* hashes;          /* `count`: world hashes, which choose the colours */
+  const rock_turn* turns;          /* `count`, or NULL: all stand as their meshes do */
   uint64_t count;                  /* at most 2^31 */
 } rock_layer;
 

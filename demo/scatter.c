@@ -85,21 +85,37 @@ typedef struct scatter {
   scree_error error;
 } scatter;
 
+/* What a layer points at. */
+typedef struct layer_arrays {
+  scree_instance* instances;
+  uint32_t* hashes;
+  rock_turn* turns; /* of scatters */
+} layer_arrays;
+
 /* The rocks of a field as the exporter takes them. */
-static scree_result fill_layer(const scatter* s, rock_layer* layer, scree_instance** instances, uint32_t** hashes) {
+static scree_result fill_layer(const scatter* s, uint32_t index, rock_layer* layer, layer_arrays* arrays) {
   const size_t room = s->rocks.count > 0 ? (size_t)s->rocks.count : 1;
   const scree_scene* scene = scene_live_scene(s->world);
-  *instances = malloc(room * sizeof **instances);
-  *hashes = malloc(room * sizeof **hashes);
-  if (*instances == NULL || *hashes == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
+  const scree_scatter* models = scene_live_scatter(s->world, index);
+  arrays->instances = malloc(room * sizeof *arrays->instances);
+  arrays->hashes = malloc(room * sizeof *arrays->hashes);
+  arrays->turns = models != NULL ? malloc(room * sizeof *arrays->turns) : NULL;
+  if (arrays->instances == NULL || arrays->hashes == NULL || (models != NULL && arrays->turns == NULL))
+    return SCREE_ERROR_OUT_OF_MEMORY;
   for (uint64_t i = 0; i < s->rocks.count; ++i) {
     const scree_rock* rock = &s->rocks.rocks[i];
-    (*instances)[i].asset = rock->asset;
-    memcpy((*instances)[i].position, rock->position, sizeof rock->position);
-    (*hashes)[i] = scree_scene_random(scene, &rock->id);
+    arrays->instances[i].asset = rock->asset;
+    memcpy(arrays->instances[i].position, rock->position, sizeof rock->position);
+    arrays->hashes[i] = scree_scene_random(scene, &rock->id);
+    if (models == NULL) continue;
+    float turn[2], scale;
+    scree_scatter_turn(models, arrays->hashes[i], turn, &scale);
+    arrays->turns[i] = (rock_turn){turn[0], turn[1], scale};
+    arrays->hashes[i] = scene_model_hash(arrays->hashes[i]);
   }
-  layer->instances = *instances;
-  layer->hashes = *hashes;
+  layer->instances = arrays->instances;
+  layer->hashes = arrays->hashes;
+  layer->turns = arrays->turns;
   layer->count = s->rocks.count;
   return SCREE_OK;
 }
@@ -107,23 +123,25 @@ static scree_result fill_layer(const scatter* s, rock_layer* layer, scree_instan
 static scree_result add_field(scatter* s, uint32_t index) {
   const scene_field* field = &s->scene.fields[index];
   double start = timer_seconds();
-  scree_pack_info info;
-  scree_pack_get_info(scene_live_pack(s->world, index), &info);
+  rock_layer layer = {.name = field->name[0] != '\0'   ? field->name
+                              : field->pack[0] != '\0' ? field->pack
+                                                       : field->scatter.models[0],
+                      .pack = scene_live_pack(s->world, index),
+                      .models = scene_live_models(s->world, index),
+                      .cell_size = field->is_scatter ? 1 : field->cell_size,
+                      .palette = &field->palette};
+  scree_pack_info info = {.lod_count = UINT32_MAX}; /* models from files have one level, which stands for all */
+  if (layer.pack != NULL) scree_pack_get_info(layer.pack, &info);
   if (s->options->lod >= info.lod_count)
     return fail_with(&s->error, SCREE_ERROR_RANGE, "%s: fields[%u]: --lod %u: the pack \"%s\" has the levels 0..%u",
                      s->options->scene, (unsigned)index, s->options->lod, field->pack, info.lod_count - 1);
-  rock_layer layer = {.name = field->name[0] != '\0' ? field->name : field->pack,
-                      .pack = scene_live_pack(s->world, index),
-                      .cell_size = field->cell_size,
-                      .palette = &field->palette};
   /* Places are told from the support's own, so that they are exact wherever in the world it lies. */
   memcpy(layer.origin, field->support->position, sizeof layer.origin);
   const uint32_t flags = strcmp(s->options->rocks, "all") == 0 ? 0 : SCREE_SCENE_VISIBLE;
   scree_result result = scene_live_query(s->world, index, layer.origin, flags, ROCKS_MOST, &s->rocks, &s->error);
   if (result != SCREE_OK) return result;
-  scree_instance* instances = NULL;
-  uint32_t* hashes = NULL;
-  result = fill_layer(s, &layer, &instances, &hashes);
+  layer_arrays arrays = {.instances = NULL};
+  result = fill_layer(s, index, &layer, &arrays);
   if (result != SCREE_OK) {
     fail_with(&s->error, result, "%s: fields[%u]: out of memory", s->options->scene, (unsigned)index);
   } else {
@@ -131,8 +149,9 @@ static scree_result add_field(scatter* s, uint32_t index) {
     result = rock_export_add(s->export, &layer, &s->reports[index].stats, &s->error);
   }
   s->reports[index].seconds = timer_seconds() - start;
-  free(instances);
-  free(hashes);
+  free(arrays.instances);
+  free(arrays.hashes);
+  free(arrays.turns);
   return result;
 }
 

@@ -9,17 +9,19 @@
 #define PATH_SIZE (2 * SCENE_FILE_SIZE)
 #define BOX_CELLS 4e6 /* of a box that is counted in one go, where a field may have too many rocks */
 
-/* A pack that all fields share which name it. */
+/* A pack, or models from files, that all fields share which name them. */
 typedef struct opened_pack {
-  char path[PATH_SIZE];
-  scree_pack* pack; /* NULL = free slot */
+  char* key;        /* owned: the pack's path, or the names of all files; NULL = free slot */
+  scree_pack* pack; /* one of the two */
+  scene_models* models;
   uint32_t users;
 } opened_pack;
 
-/* A field that is open has all three. */
+/* A field that is open has a pack, a support, and a field or a scatter. */
 typedef struct opened_field {
   opened_pack* pack;
   scree_field* field;
+  scree_scatter* scatter;
   scree_support* support;
   scree_layer layer; /* its filters point at what `files` holds */
   scree_filter filters[SCENE_FILTERS_MAX];
@@ -38,33 +40,79 @@ struct scene_live {
 
 /* --- Packs --- */
 
+/* The path of a pack, or the names of model files one a line; to be freed. */
+static scree_result make_key(scene_live* w, uint32_t index, char** out, scree_error* error) {
+  const scene_field* field = &w->desc.scene->fields[index];
+  const scene_scatter* scatter = &field->scatter;
+  const bool has_models = field->is_scatter && scatter->model_count > 0;
+  char* key = malloc(has_models ? (size_t)scatter->model_count * (SCENE_FILE_SIZE + 1) + 1 : PATH_SIZE);
+  if (key == NULL) return fail_with(error, SCREE_ERROR_OUT_OF_MEMORY, "%s: out of memory", w->desc.paths.scene);
+  scree_result result = SCREE_OK;
+  if (has_models) {
+    size_t length = 0;
+    for (uint32_t i = 0; i < scatter->model_count; ++i) {
+      const size_t size = strlen(scatter->models[i]);
+      memcpy(key + length, scatter->models[i], size);
+      key[length + size] = '\n';
+      length += size + 1;
+    }
+    key[length] = '\0';
+  } else {
+    char where[64];
+    snprintf(where, sizeof where, "fields[%u].pack", (unsigned)index);
+    result = scene_find_pack(&w->desc.paths, where, field->pack, key, PATH_SIZE, error);
+  }
+  if (result != SCREE_OK) free(key), key = NULL;
+  *out = key;
+  return result;
+}
+
+/* Fills a free slot with what the key of field `index` names. */
+static scree_result fill_slot(scene_live* w, uint32_t index, opened_pack* slot, const char* key, scree_error* error) {
+  const scene_field* field = &w->desc.scene->fields[index];
+  scree_result result;
+  if (field->is_scatter && field->scatter.model_count > 0) {
+    result = scene_models_create(w->desc.scene, index, &w->desc.paths, &slot->models, error);
+    if (result != SCREE_OK) return result;
+  } else {
+    result = scree_pack_open_file(key, NULL, &slot->pack);
+  }
+  if (result == SCREE_OK && w->desc.pack_opened != NULL)
+    result = w->desc.pack_opened(w->desc.user, (uint32_t)(slot - w->packs), slot->pack, slot->models);
+  if (result == SCREE_OK) return SCREE_OK;
+  scree_pack_close(slot->pack);
+  const bool has_models = slot->models != NULL;
+  scene_models_destroy(slot->models);
+  slot->pack = NULL;
+  slot->models = NULL;
+  if (has_models)
+    return fail_with(error, result, "%s: fields[%u].models: %s", w->desc.paths.scene, (unsigned)index, scree_result_string(result));
+  return fail_with(error, result, "%s: %s", key, scree_result_string(result));
+}
+
 static scree_result open_pack(scene_live* w, uint32_t index, opened_pack** out, scree_error* error) {
-  char where[64], path[PATH_SIZE];
-  snprintf(where, sizeof where, "fields[%u].pack", (unsigned)index);
-  const char* name = w->desc.scene->fields[index].pack;
-  scree_result result = scene_find_pack(&w->desc.paths, where, name, path, sizeof path, error);
+  char* key = NULL;
+  scree_result result = make_key(w, index, &key, error);
   if (result != SCREE_OK) return result;
   opened_pack* slot = NULL;
   for (uint32_t i = 0; i <= SCENE_FIELDS_MAX; ++i) {
     opened_pack* p = &w->packs[i];
-    if (p->pack != NULL && strcmp(p->path, path) == 0) {
+    if (p->key != NULL && strcmp(p->key, key) == 0) {
+      free(key);
       ++p->users;
       *out = p;
       return SCREE_OK;
     }
-    if (p->pack == NULL && slot == NULL) slot = p;
+    if (p->key == NULL && slot == NULL) slot = p;
   }
-  if (slot == NULL) return fail_with(error, SCREE_ERROR_OUT_OF_MEMORY, "%s: too many packs", path);
-  scree_pack* pack = NULL;
-  result = scree_pack_open_file(path, NULL, &pack);
-  if (result == SCREE_OK && w->desc.pack_opened != NULL)
-    result = w->desc.pack_opened(w->desc.user, (uint32_t)(slot - w->packs), pack);
+  result =
+      slot != NULL ? fill_slot(w, index, slot, key, error) : fail_with(error, SCREE_ERROR_OUT_OF_MEMORY, "%s: too many packs", key);
   if (result != SCREE_OK) {
-    scree_pack_close(pack);
-    return fail_with(error, result, "%s: %s", path, scree_result_string(result));
+    free(key);
+    return result;
   }
-  *slot = (opened_pack){.pack = pack, .users = 1};
-  memcpy(slot->path, path, sizeof path);
+  slot->key = key;
+  slot->users = 1;
   *out = slot;
   return SCREE_OK;
 }
@@ -73,24 +121,120 @@ static void close_pack(scene_live* w, opened_pack* p) {
   if (p == NULL || --p->users > 0) return;
   if (w->desc.pack_closing != NULL) w->desc.pack_closing(w->desc.user, (uint32_t)(p - w->packs));
   scree_pack_close(p->pack);
-  *p = (opened_pack){.pack = NULL};
+  scene_models_destroy(p->models);
+  free(p->key);
+  *p = (opened_pack){.key = NULL};
 }
 
 /* --- Fields --- */
 
 static bool is_open(const opened_field* f) {
-  return f->pack != NULL && f->field != NULL && f->support != NULL;
+  return f->pack != NULL && (f->field != NULL || f->scatter != NULL) && f->support != NULL;
+}
+
+static scree_result fill_filter(scene_live* w, const scene_filter* model, const char* where, scree_filter* out,
+                                scree_error* error) {
+  *out = (scree_filter){.kind = model->kind,
+                        .inverted = model->inverted,
+                        .from = (float)model->from,
+                        .to = (float)model->to,
+                        .fade = (float)model->fade,
+                        .spacing = (float)model->map.spacing};
+  memcpy(out->centre, model->position, sizeof out->centre);
+  if (model->kind == SCREE_FILTER_ALTITUDE) return SCREE_OK;
+  const height_samples* samples;
+  scree_result result = scene_files_heights(w->files, &w->desc.paths, where, &model->map, &samples, error);
+  if (result != SCREE_OK) return result;
+  out->values = samples->heights;
+  out->width = samples->width;
+  out->depth = samples->depth;
+  return SCREE_OK;
+}
+
+/* One weight a model as the runtime wants it; the file may give one a variant instead, which then goes for each of its ages. */
+static scree_result fill_weights(scene_live* w, uint32_t index, const opened_pack* from, float** out, scree_error* error) {
+  const scene_scatter* scatter = &w->desc.scene->fields[index].scatter;
+  scree_pack_info info = {.asset_count = from->models != NULL ? from->models->count : 0};
+  *out = NULL;
+  if (from->pack != NULL) scree_pack_get_info(from->pack, &info);
+  if (scatter->weight_count == 0) return SCREE_OK;
+  const bool by_variant = scatter->weight_count != info.asset_count;
+  if (by_variant && scatter->weight_count != info.variant_count) {
+    if (from->models != NULL)
+      return fail_with(error, SCREE_ERROR_RANGE, "%s: fields[%u].weights: expected %u numbers, one a model", w->desc.paths.scene,
+                       (unsigned)index, (unsigned)info.asset_count);
+    return fail_with(error, SCREE_ERROR_RANGE, "%s: fields[%u].weights: expected %u numbers, one a variant, or %u, one a model",
+                     w->desc.paths.scene, (unsigned)index, (unsigned)info.variant_count, (unsigned)info.asset_count);
+  }
+  float* weights = malloc((info.asset_count > 0 ? info.asset_count : 1) * sizeof *weights);
+  if (weights == NULL) return fail_with(error, SCREE_ERROR_OUT_OF_MEMORY, "%s: out of memory", w->desc.paths.scene);
+  scree_result result = SCREE_OK;
+  for (uint32_t i = 0; i < info.asset_count && result == SCREE_OK; ++i) {
+    scree_model model = {.variant = i};
+    if (by_variant) result = scree_pack_get_model(from->pack, i, &model);
+    if (result != SCREE_OK || model.variant >= scatter->weight_count) break;
+    weights[i] = (float)scatter->weights[model.variant];
+  }
+  *out = weights;
+  return result == SCREE_OK ? SCREE_OK : fail_with(error, result, "%s: %s", from->key, scree_result_string(result));
+}
+
+static scree_result open_scatter(scene_live* w, uint32_t index, opened_field* made, scree_error* error) {
+  const scene_field* model = &w->desc.scene->fields[index];
+  const scene_scatter* scatter = &model->scatter;
+  const opened_pack* from = made->pack;
+  if (from->pack != NULL) {
+    scree_pack_info info;
+    scree_pack_get_info(from->pack, &info);
+    if (info.kind != SCREE_PACK_MODELS)
+      return fail_with(error, SCREE_ERROR_PACK_KIND,
+                       "%s: fields[%u].pack: %s holds rocks, which fill shapes: give the field a cell_size instead of a spacing",
+                       w->desc.paths.scene, (unsigned)index, from->key);
+  }
+  char where[64];
+  snprintf(where, sizeof where, "fields[%u].ages", (unsigned)index);
+  scree_filter ages;
+  float* weights = NULL;
+  scree_result result = scatter->has_ages ? fill_filter(w, &scatter->ages, where, &ages, error) : SCREE_OK;
+  if (result == SCREE_OK) result = fill_weights(w, index, from, &weights, error);
+  if (result == SCREE_OK) {
+    scree_scatter_desc desc = {.pack = from->pack,
+                               .models = from->models != NULL ? from->models->shapes : NULL,
+                               .model_count = from->models != NULL ? from->models->count : 0,
+                               .weights = weights,
+                               .age_mask = scatter->has_ages ? &ages : NULL,
+                               .spacing = scatter->spacing,
+                               .seed = model->seed,
+                               .scale_min = (float)scatter->scale[0],
+                               .scale_max = (float)scatter->scale[1],
+                               .max_slope = (float)scatter->max_slope};
+    memcpy(desc.origin, model->origin, sizeof desc.origin);
+    scree_error cause = {""};
+    result = scree_scatter_create(&desc, NULL, &made->scatter, &cause);
+    if (result != SCREE_OK)
+      fail_with(error, result, "%s: fields[%u]: %.400s", w->desc.paths.scene, (unsigned)index,
+                cause.message[0] != '\0' ? cause.message : scree_result_string(result));
+  }
+  free(weights);
+  return result;
 }
 
 static scree_result open_field(scene_live* w, uint32_t index, opened_field* made, scree_error* error) {
   const scene_field* model = &w->desc.scene->fields[index];
   scree_result result = open_pack(w, index, &made->pack, error);
   if (result != SCREE_OK) return result;
+  if (model->is_scatter) return open_scatter(w, index, made, error);
+  scree_pack_info info;
+  scree_pack_get_info(made->pack->pack, &info);
+  if (info.kind != SCREE_PACK_TILES)
+    return fail_with(error, SCREE_ERROR_PACK_KIND,
+                     "%s: fields[%u].pack: %s holds models, which stand on the ground: give the field a spacing",
+                     w->desc.paths.scene, (unsigned)index, made->pack->key);
   scree_field_desc desc = {.pack = made->pack->pack, .seed = model->seed, .cell_size = model->cell_size};
   memcpy(desc.origin, model->origin, sizeof desc.origin);
   result = scree_field_create(&desc, NULL, &made->field);
   if (result == SCREE_OK) return SCREE_OK;
-  return fail_with(error, result, "%s: fields[%u]: %s: %s", w->desc.paths.scene, (unsigned)index, made->pack->path,
+  return fail_with(error, result, "%s: fields[%u]: %s: %s", w->desc.paths.scene, (unsigned)index, made->pack->key,
                    scree_result_string(result));
 }
 
@@ -108,40 +252,24 @@ static scree_result open_support(scene_live* w, uint32_t index, const scree_supp
   return SCREE_OK;
 }
 
-static scree_result fill_filter(scene_live* w, uint32_t field, uint32_t index, scree_filter* out, scree_error* error) {
-  const scene_filter* model = &w->desc.scene->fields[field].filters[index];
-  *out = (scree_filter){.kind = model->kind,
-                        .inverted = model->inverted,
-                        .from = (float)model->from,
-                        .to = (float)model->to,
-                        .fade = (float)model->fade,
-                        .spacing = (float)model->map.spacing};
-  memcpy(out->centre, model->position, sizeof out->centre);
-  if (model->kind == SCREE_FILTER_ALTITUDE) return SCREE_OK;
-  char where[64];
-  snprintf(where, sizeof where, "fields[%u].filters[%u]", (unsigned)field, (unsigned)index);
-  const height_samples* samples;
-  scree_result result = scene_files_heights(w->files, &w->desc.paths, where, &model->map, &samples, error);
-  if (result != SCREE_OK) return result;
-  out->values = samples->heights;
-  out->width = samples->width;
-  out->depth = samples->depth;
-  return SCREE_OK;
-}
-
 static scree_result fill_layer(scene_live* w, uint32_t index, opened_field* made, scree_error* error) {
   const scene_field* model = &w->desc.scene->fields[index];
-  scree_pack_info info;
-  scree_pack_get_info(made->pack->pack, &info);
   made->layer = (scree_layer){.field = made->field,
+                              .scatter = made->scatter,
                               .support = made->support,
                               .key = scene_field_key(w->desc.scene, index),
-                              .threshold = (float)model->threshold,
-                              .shell_depth = model->shell ? (float)(2 * (double)info.max_radius * model->cell_size) : 0,
                               .density = (float)model->density,
                               .filter_count = model->filter_count};
+  if (!model->is_scatter) {
+    scree_pack_info info;
+    scree_pack_get_info(made->pack->pack, &info);
+    made->layer.threshold = (float)model->threshold;
+    made->layer.shell_depth = model->shell ? (float)(2 * (double)info.max_radius * model->cell_size) : 0;
+  }
   for (uint32_t i = 0; i < model->filter_count; ++i) {
-    scree_result result = fill_filter(w, index, i, &made->filters[i], error);
+    char where[64];
+    snprintf(where, sizeof where, "fields[%u].filters[%u]", (unsigned)index, (unsigned)i);
+    scree_result result = fill_filter(w, &model->filters[i], where, &made->filters[i], error);
     if (result != SCREE_OK) return result;
   }
   return SCREE_OK;
@@ -191,7 +319,7 @@ scree_result scene_live_update(scene_live* w, uint32_t index, uint32_t changed, 
   const bool new_field = !was_open || (changed & SCENE_CHANGED_PACK) != 0;
   const bool new_support = !was_open || (changed & SCENE_CHANGED_SUPPORT) != 0;
   opened_field made = *f; /* takes the place of *f when all is well */
-  if (new_field) made.pack = NULL, made.field = NULL;
+  if (new_field) made.pack = NULL, made.field = NULL, made.scatter = NULL;
   if (new_support) made.support = NULL;
   scree_result result = new_field ? open_field(w, index, &made, error) : SCREE_OK;
   if (result == SCREE_OK && new_support) result = open_support(w, index, f->support, &made, error);
@@ -208,6 +336,7 @@ scree_result scene_live_update(scene_live* w, uint32_t index, uint32_t changed, 
   if (new_support) scree_support_destroy(gone.support);
   if (new_field) {
     scree_field_destroy(gone.field);
+    scree_scatter_destroy(gone.scatter);
     close_pack(w, gone.pack);
   }
   return result;
@@ -221,6 +350,7 @@ static void forget_all(scene_live* w) {
     w->layers[i] = UINT32_MAX;
     scree_support_destroy(f->support);
     scree_field_destroy(f->field);
+    scree_scatter_destroy(f->scatter);
     close_pack(w, f->pack);
     memset(f, 0, sizeof *f);
   }
@@ -287,6 +417,16 @@ static scree_result count_box(counter* c, const double min[3], const double max[
 /* Counts the rocks of a field that may have more than `most`, in time that does not depend on how many more there are. */
 static scree_result count_rocks(scene_live* w, uint32_t index, uint32_t flags, uint64_t most, uint64_t* count) {
   const opened_field* f = &w->fields[index];
+  *count = 0;
+  if (f->scatter != NULL) {
+    /* Discs of half the spacing do not overlap: they cover at most all of the ground, and half of it at least. */
+    double min[3], max[3];
+    const double spacing = w->desc.scene->fields[index].scatter.spacing;
+    scree_support_bounds(f->support, min, max);
+    const double points = (max[0] - min[0] + spacing) * (max[2] - min[2] + spacing) / (0.78 * spacing * spacing);
+    *count = points > (double)most ? most + 1 : 0;
+    return SCREE_OK;
+  }
   scree_pack_info info;
   scree_pack_get_info(f->pack->pack, &info);
   counter c = {.desc = {.scene = w->scene, .flags = flags, .layers = UINT64_C(1) << w->layers[index]},
@@ -335,8 +475,9 @@ scree_result scene_live_query(scene_live* w, uint32_t index, const double origin
   uint64_t count = 0;
   scree_result result = count_rocks(w, index, flags, most, &count);
   if (result == SCREE_OK && count > most)
-    return fail_with(error, SCREE_ERROR_RANGE, "%s: fields[%u]: it has more than %llu rocks; enlarge cell_size",
-                     w->desc.paths.scene, (unsigned)index, (unsigned long long)most);
+    return fail_with(error, SCREE_ERROR_RANGE, "%s: fields[%u]: it has more than %llu %s", w->desc.paths.scene, (unsigned)index,
+                     (unsigned long long)most,
+                     w->fields[index].scatter != NULL ? "models; enlarge spacing" : "rocks; enlarge cell_size");
   /* What the last query needed is often enough for this one; if not, the first try tells how many there are. */
   scree_scene_query_desc desc = {.scene = w->scene, .flags = flags, .layers = UINT64_C(1) << w->layers[index]};
   memcpy(desc.origin, origin, sizeof desc.origin);
@@ -406,6 +547,16 @@ const scree_pack* scene_live_pack(const scene_live* w, uint32_t index) {
   return f != NULL ? f->pack->pack : NULL;
 }
 
+const scree_scatter* scene_live_scatter(const scene_live* w, uint32_t index) {
+  const opened_field* f = field_at(w, index);
+  return f != NULL ? f->scatter : NULL;
+}
+
+const scene_models* scene_live_models(const scene_live* w, uint32_t index) {
+  const opened_field* f = field_at(w, index);
+  return f != NULL ? f->pack->models : NULL;
+}
+
 uint32_t scene_live_pack_slot(const scene_live* w, uint32_t index) {
   const opened_field* f = field_at(w, index);
   return f != NULL ? (uint32_t)(f->pack - w->packs) : UINT32_MAX;
@@ -418,7 +569,15 @@ scene_files* scene_live_files(scene_live* w) {
 double scene_live_reach(const scene_live* w, uint32_t index) {
   const opened_field* f = field_at(w, index);
   if (f == NULL) return 0;
-  scree_pack_info info;
-  scree_pack_get_info(f->pack->pack, &info);
-  return 2 * (double)info.max_radius * w->desc.scene->fields[index].cell_size;
+  const scene_field* model = &w->desc.scene->fields[index];
+  const double size = model->is_scatter ? model->scatter.scale[1] : model->cell_size;
+  double radius = 0;
+  if (f->pack->models != NULL) {
+    for (uint32_t i = 0; i < f->pack->models->count; ++i) radius = fmax(radius, (double)f->pack->models->shapes[i].outer_radius);
+  } else {
+    scree_pack_info info;
+    scree_pack_get_info(f->pack->pack, &info);
+    radius = 2 * (double)info.max_radius;
+  }
+  return radius * size;
 }

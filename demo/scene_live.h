@@ -5,7 +5,7 @@
 
 #include <scree/scene.h>
 
-#include "scene_support.h"
+#include "scene_models.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -15,7 +15,7 @@ typedef struct scene_live scene_live;
 
 /* What of a field has changed. */
 enum {
-  SCENE_CHANGED_PACK = 1u << 0,    /* pack, seed, cell size or origin */
+  SCENE_CHANGED_PACK = 1u << 0,    /* pack, seed, cell size or origin; all that only a scatter has */
   SCENE_CHANGED_SUPPORT = 1u << 1, /* any node */
   SCENE_CHANGED_RULES = 1u << 2,   /* threshold, shell, key, density or filters */
   SCENE_CHANGED_PALETTE = 1u << 3, /* colours: nothing of this file */
@@ -26,9 +26,9 @@ typedef struct scene_live_desc {
   const scene_model* scene; /* must outlive the world; read on every update */
   scene_paths paths;        /* strings likewise */
   scree_jobs jobs;
-  /* Told of packs that fields come to share and leave; either may be NULL. slot: 0..SCENE_FIELDS_MAX - 1. What pack_opened returns,
-   * unless SCREE_OK, is why the field cannot be had. */
-  scree_result (*pack_opened)(void* user, uint32_t slot, const scree_pack* pack);
+  /* Told of packs, or models from files (the other is NULL), that fields come to share and leave; either may be NULL.
+   * slot: 0..SCENE_FIELDS_MAX. What pack_opened returns, unless SCREE_OK, is why the field cannot be had. */
+  scree_result (*pack_opened)(void* user, uint32_t slot, const scree_pack* pack, const scene_models* models);
   void (*pack_closing)(void* user, uint32_t slot);
   void* user;
 } scene_live_desc;
@@ -48,9 +48,11 @@ scree_result scene_live_update_all(scene_live* w, scree_error* error);
 const scree_scene* scene_live_scene(const scene_live* w);
 /* The index of a field's layer, UINT32_MAX if it could not be opened. */
 uint32_t scene_live_layer(const scene_live* w, uint32_t index);
-const scree_field* scene_live_field(const scene_live* w, uint32_t index); /* NULL as above */
+const scree_field* scene_live_field(const scene_live* w, uint32_t index);     /* NULL as above, and of a scatter */
+const scree_scatter* scene_live_scatter(const scene_live* w, uint32_t index); /* NULL as above, and of rocks */
 const scree_support* scene_live_support(const scene_live* w, uint32_t index);
-const scree_pack* scene_live_pack(const scene_live* w, uint32_t index);
+const scree_pack* scene_live_pack(const scene_live* w, uint32_t index);     /* NULL as above, and of models from files */
+const scene_models* scene_live_models(const scene_live* w, uint32_t index); /* of files, or NULL */
 uint32_t scene_live_pack_slot(const scene_live* w, uint32_t index);
 scene_files* scene_live_files(scene_live* w);
 

@@ -28,10 +28,10 @@ struct stage {
 
 /* --- Packs --- */
 
-static scree_result pack_opened(void* user, uint32_t slot, const scree_pack* pack) {
+static scree_result pack_opened(void* user, uint32_t slot, const scree_pack* pack, const scene_models* models) {
   stage* s = user;
   render_source source = {.assets = NULL};
-  scree_result result = pack_source(pack, &source);
+  scree_result result = models != NULL ? models_source(models, &source) : pack_source(pack, &source);
   if (result != SCREE_OK) return result;
   s->sources[slot] = render_add_source(s->desc.renderer, &source);
   free((void*)source.assets);
@@ -82,16 +82,23 @@ static scree_result query(stage* s, uint32_t index, scree_error* error) {
   }
   const scree_scene* scene = scene_live_scene(s->world);
   const scree_field* field = scene_live_field(s->world, index);
+  const scree_scatter* scatter = scene_live_scatter(s->world, index);
   const uint16_t source = (uint16_t)s->sources[scene_live_pack_slot(s->world, index)];
   for (uint64_t i = 0; i < f->rocks.count; ++i) {
     const scree_rock* rock = &f->rocks.rocks[i];
-    f->stones[i] = (render_stone){.cell_size = (float)model->cell_size,
-                                  .hash = scree_scene_random(scene, &rock->id),
-                                  .asset = rock->asset,
-                                  .tile = (uint8_t)scree_field_tile_code(field, rock->id.cube),
-                                  .source = source,
-                                  .group = (uint16_t)index};
-    memcpy(f->stones[i].position, rock->position, sizeof f->stones[i].position);
+    render_stone* stone = &f->stones[i];
+    *stone = (render_stone){.cell_size = (float)model->cell_size,
+                            .hash = scree_scene_random(scene, &rock->id),
+                            .asset = rock->asset,
+                            .source = source,
+                            .group = (uint16_t)index};
+    if (scatter != NULL) {
+      scree_scatter_turn(scatter, stone->hash, stone->turn, &stone->cell_size);
+      stone->hash = scene_model_hash(stone->hash);
+    } else {
+      stone->tile = (uint8_t)scree_field_tile_code(field, rock->id.cube);
+    }
+    memcpy(stone->position, rock->position, sizeof stone->position);
   }
   f->count = (uint32_t)f->rocks.count;
   colour_stones(s, index, f);
@@ -202,6 +209,7 @@ void stage_light(const stage* s, render_picture* picture) {
     picture->sky[a] = scene_linear_from_srgb(scene->sky[a]);
     picture->ground_colour[a] = scene_linear_from_srgb(scene->ground.colour[a]);
   }
+  picture->ground_sand = scene->ground.sand;
   picture->water = scene->ground.kind == SCENE_GROUND_TERRAIN && scene->ground.water;
   picture->ground = scene->ground.kind == SCENE_GROUND_PLANE || picture->water;
   picture->ground_height = (float)((picture->water ? scene->ground.water_height : scene->ground.height) - s->origin[1]);

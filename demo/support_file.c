@@ -48,6 +48,27 @@ scree_result triangle_mesh_load(const char* file, triangle_mesh* out, scree_erro
   return fail_with(error, SCREE_ERROR_UNSUPPORTED, "%s: expected a file that ends in .obj, .off, .glb or .gltf", file);
 }
 
+void painted_mesh_free(painted_mesh* mesh) {
+  free(mesh->positions);
+  free(mesh->normals);
+  free(mesh->colours);
+  free(mesh->indices);
+  *mesh = (painted_mesh){0};
+}
+
+scree_result painted_mesh_load(const char* file, painted_mesh* out, scree_error* error) {
+  *out = (painted_mesh){0};
+  if (!ends_with(file, ".glb") && !ends_with(file, ".gltf"))
+    return fail_with(error, SCREE_ERROR_UNSUPPORTED, "%s: expected a file that ends in .glb or .gltf", file);
+  char* bytes;
+  size_t size;
+  scree_result result = file_read(file, MESH_FILE_LIMIT, &bytes, &size, error);
+  if (result != SCREE_OK) return result;
+  result = model_read_gltf(bytes, size, file, out, error);
+  free(bytes);
+  return result;
+}
+
 static uint64_t position_hash(const float* p) {
   uint64_t hash = 0;
   for (int i = 0; i < 3; ++i) {

@@ -32,6 +32,21 @@ scree_result mesh_read_gltf(const char* bytes, size_t size, const char* file, tr
  * Returns SCREE_OK or OUT_OF_MEMORY. */
 scree_result triangle_mesh_weld(triangle_mesh* mesh);
 
+/* Triangles with a normal and a colour at each vertex: what a glTF file looks like, pictures apart. All zero = empty. */
+typedef struct painted_mesh {
+  float* positions;  /* 3 * vertex_count, owned, malloc */
+  float* normals;    /* likewise, unit */
+  float* colours;    /* likewise, linear RGB: base colour of the material times that of the vertex */
+  uint32_t* indices; /* 3 * triangle_count, owned, malloc */
+  uint32_t vertex_count, triangle_count;
+} painted_mesh;
+
+/* Reads a .glb or .gltf file. Returns SCREE_OK, IO, SYNTAX, UNSUPPORTED (another ending) or OUT_OF_MEMORY. */
+scree_result painted_mesh_load(const char* file, painted_mesh* out, scree_error* error);
+void painted_mesh_free(painted_mesh* mesh);
+/* The reader, from memory as above. */
+scree_result model_read_gltf(const char* bytes, size_t size, const char* file, painted_mesh* out, scree_error* error);
+
 /* Heights in metres, row-major, x fastest then z. */
 typedef struct height_samples {
   float* heights; /* width * depth, owned, malloc */

@@ -156,12 +156,48 @@ const unsigned char* elements(const tinygltf::Model& model, const tinygltf::Acce
 
 struct soup {
   std::vector<float> positions;
+  std::vector<float> normals; /* as many as positions, or none: then they are those of the triangles */
+  std::vector<float> colours; /* linear RGB, as many as positions, or none: white */
   std::vector<uint32_t> indices;
 
   uint32_t vertex_count() const { return uint32_t(positions.size() / 3); }
 };
 
-void read_plain(const tinygltf::Model& model, const tinygltf::Primitive& primitive, soup& out) {
+/* Up to three components of one element of an accessor as numbers; integers are normalised. */
+bool is_numbers(const tinygltf::Accessor& accessor) {
+  return (accessor.type == TINYGLTF_TYPE_VEC3 || accessor.type == TINYGLTF_TYPE_VEC4) &&
+         (accessor.componentType == TINYGLTF_COMPONENT_TYPE_FLOAT ||
+          accessor.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE ||
+          accessor.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT);
+}
+
+/* An attribute of vectors that may be missing: empty then. */
+std::vector<float> read_vectors(const tinygltf::Model& model, const tinygltf::Primitive& primitive, const char* name,
+                                size_t count) {
+  auto found = primitive.attributes.find(name);
+  if (found == primitive.attributes.end()) return {};
+  const tinygltf::Accessor& accessor = at(model.accessors, found->second, "accessor");
+  if (!is_numbers(accessor)) throw fault(std::string(name) + " is of a type that is not read");
+  if (accessor.count != count) throw fault(std::string(name) + " has not one element a vertex");
+  const size_t component = accessor.componentType == TINYGLTF_COMPONENT_TYPE_FLOAT            ? 4
+                           : accessor.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT ? 2
+                                                                                              : 1;
+  size_t stride;
+  const unsigned char* bytes = elements(model, accessor, component * (accessor.type == TINYGLTF_TYPE_VEC3 ? 3 : 4), &stride);
+  std::vector<float> out(count * 3);
+  for (size_t i = 0; i < out.size(); ++i) {
+    const unsigned char* from = bytes + i / 3 * stride + i % 3 * component;
+    if (component == 4)
+      std::memcpy(&out[i], from, 4);
+    else
+      out[i] = component == 2 ? float(from[0] | from[1] << 8) / 65535.0f : float(from[0]) / 255.0f;
+    if (!std::isfinite(out[i])) throw fault(std::string(name) + " is not finite");
+  }
+  return out;
+}
+
+/* painted: normals and colours are wanted, too. */
+void read_plain(const tinygltf::Model& model, const tinygltf::Primitive& primitive, bool painted, soup& out) {
   auto found = primitive.attributes.find("POSITION");
   if (found == primitive.attributes.end()) throw fault("a mesh has no POSITION");
   const tinygltf::Accessor& place = at(model.accessors, found->second, "accessor");
@@ -171,6 +207,10 @@ void read_plain(const tinygltf::Model& model, const tinygltf::Primitive& primiti
   const unsigned char* bytes = elements(model, place, 12, &stride);
   out.positions.resize(place.count * 3);
   for (size_t i = 0; i < place.count; ++i) std::memcpy(&out.positions[i * 3], bytes + i * stride, 12);
+  if (painted) {
+    out.normals = read_vectors(model, primitive, "NORMAL", place.count);
+    out.colours = read_vectors(model, primitive, "COLOR_0", place.count);
+  }
   if (primitive.indices < 0) {
     for (uint32_t i = 0; i < place.count; ++i) out.indices.push_back(i);
     return;
@@ -194,7 +234,7 @@ void read_plain(const tinygltf::Model& model, const tinygltf::Primitive& primiti
 }
 
 #ifdef SCREE_WITH_DRACO
-void read_draco(const tinygltf::Model& model, const tinygltf::Value& extension, soup& out) {
+void read_draco(const tinygltf::Model& model, const tinygltf::Value& extension, bool painted, soup& out) {
   if (!extension.IsObject()) throw fault("KHR_draco_mesh_compression is not an object");
   const tinygltf::Value& attributes = extension.Get("attributes");
   const tinygltf::Value& buffer_view = extension.Get("bufferView");
@@ -215,13 +255,29 @@ void read_draco(const tinygltf::Model& model, const tinygltf::Value& extension, 
     if (!place->ConvertValue<float>(place->mapped_index(i), 3, &out.positions[size_t(i.value()) * 3]))
       throw fault("Draco: broken POSITION");
   }
+  static const char* const names[] = {"NORMAL", "COLOR_0"};
+  for (const char* name : names) {
+    if (!painted || !attributes.Has(name) || !attributes.Get(name).IsInt()) continue;
+    const int own = attributes.Get(name).Get<int>();
+    const draco::PointAttribute* vectors = own >= 0 ? mesh.GetAttributeByUniqueId(uint32_t(own)) : nullptr;
+    if (vectors == nullptr || vectors->num_components() < 3 || vectors->num_components() > 4)
+      throw fault(std::string("Draco: no such ") + name);
+    std::vector<float>& to = name == names[0] ? out.normals : out.colours;
+    to.resize(size_t(mesh.num_points()) * 3);
+    for (draco::PointIndex i(0); i < mesh.num_points(); ++i) {
+      float value[4] = {0, 0, 0, 0};
+      if (!vectors->ConvertValue<float>(vectors->mapped_index(i), vectors->num_components(), value))
+        throw fault(std::string("Draco: broken ") + name);
+      std::memcpy(&to[size_t(i.value()) * 3], value, 12);
+    }
+  }
   for (draco::FaceIndex f(0); f < mesh.num_faces(); ++f) {
     for (size_t k = 0; k < 3; ++k) out.indices.push_back(mesh.face(f)[k].value());
   }
 }
 
 #else
-void read_draco(const tinygltf::Model&, const tinygltf::Value&, soup&) {
+void read_draco(const tinygltf::Model&, const tinygltf::Value&, bool, soup&) {
   throw fault("holds Draco meshes, and this build has no Draco");
 }
 #endif
@@ -266,6 +322,52 @@ matrix matrix_of(const tinygltf::Node& node) {
   return r;
 }
 
+/* Gives every triangle vertices of its own with its own normal, as the specification says of meshes without normals. */
+void flatten(soup& part) {
+  soup flat;
+  for (size_t i = 0; i + 2 < part.indices.size(); i += 3) {
+    const float* p[3];
+    for (size_t k = 0; k < 3; ++k) {
+      if (part.indices[i + k] >= part.vertex_count()) throw fault("an index points past the last vertex");
+      p[k] = &part.positions[size_t(part.indices[i + k]) * 3];
+    }
+    const float u[3] = {p[1][0] - p[0][0], p[1][1] - p[0][1], p[1][2] - p[0][2]};
+    const float v[3] = {p[2][0] - p[0][0], p[2][1] - p[0][1], p[2][2] - p[0][2]};
+    const float n[3] = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
+    for (size_t k = 0; k < 3; ++k) {
+      flat.indices.push_back(uint32_t(flat.indices.size()));
+      flat.positions.insert(flat.positions.end(), p[k], p[k] + 3);
+      flat.normals.insert(flat.normals.end(), n, n + 3);
+      if (part.colours.empty()) continue;
+      const float* colour = &part.colours[size_t(part.indices[i + k]) * 3];
+      flat.colours.insert(flat.colours.end(), colour, colour + 3);
+    }
+  }
+  part = std::move(flat);
+}
+
+/* Normals go with the cofactors of the matrix, so that they stay at right angles; made unit, pointing up where there is none. */
+void append_normals(const soup& part, const matrix& to_world, soup& out) {
+  const double* m = to_world.m;
+  const double sign = to_world.determinant() < 0 ? -1 : 1;
+  double c[9];
+  for (size_t i = 0; i < 3; ++i)
+    for (size_t k = 0; k < 3; ++k) {
+      const size_t i1 = (i + 1) % 3, i2 = (i + 2) % 3, k1 = (k + 1) % 3, k2 = (k + 2) % 3;
+      c[i * 3 + k] = sign * (m[i1 * 4 + k1] * m[i2 * 4 + k2] - m[i1 * 4 + k2] * m[i2 * 4 + k1]);
+    }
+  for (size_t i = 0; i < part.normals.size(); i += 3) {
+    const float* n = &part.normals[i];
+    double v[3], squared = 0;
+    for (size_t row = 0; row < 3; ++row) {
+      v[row] = c[row] * double(n[0]) + c[3 + row] * double(n[1]) + c[6 + row] * double(n[2]);
+      squared += v[row] * v[row];
+    }
+    const double length = std::sqrt(squared);
+    for (size_t row = 0; row < 3; ++row) out.normals.push_back(length > 0 ? float(v[row] / length) : row == 1 ? 1.0f : 0.0f);
+  }
+}
+
 void append(const soup& part, const matrix& to_world, soup& out) {
   uint32_t base = out.vertex_count(), count = part.vertex_count();
   if (out.indices.size() + part.indices.size() > triangle_limit * 3 || size_t(base) + count > UINT32_MAX / 4)
@@ -290,7 +392,19 @@ void append(const soup& part, const matrix& to_world, soup& out) {
   }
 }
 
-void add_mesh(const tinygltf::Model& model, const tinygltf::Mesh& mesh, const matrix& to_world, soup& out) {
+/* The colour of a material, or what glTF says of things without one. */
+void append_colours(const tinygltf::Model& model, const tinygltf::Primitive& primitive, const soup& part, soup& out) {
+  double base[3] = {1, 1, 1};
+  if (primitive.material >= 0) {
+    const tinygltf::Material& material = at(model.materials, primitive.material, "material");
+    const std::vector<double>& factor = material.pbrMetallicRoughness.baseColorFactor;
+    for (size_t k = 0; k < 3 && factor.size() == 4; ++k) base[k] = factor[k];
+  }
+  for (size_t i = 0; i < size_t(part.vertex_count()) * 3; ++i)
+    out.colours.push_back(float(base[i % 3] * (part.colours.empty() ? 1.0 : double(part.colours[i]))));
+}
+
+void add_mesh(const tinygltf::Model& model, const tinygltf::Mesh& mesh, const matrix& to_world, bool painted, soup& out) {
   for (const tinygltf::Primitive& primitive : mesh.primitives) {
     bool is_line = primitive.mode >= TINYGLTF_MODE_POINTS && primitive.mode <= TINYGLTF_MODE_LINE_STRIP;
     if (is_line) continue;
@@ -298,28 +412,34 @@ void add_mesh(const tinygltf::Model& model, const tinygltf::Mesh& mesh, const ma
     soup part;
     auto draco_extension = primitive.extensions.find("KHR_draco_mesh_compression");
     if (draco_extension != primitive.extensions.end()) {
-      read_draco(model, draco_extension->second, part);
+      read_draco(model, draco_extension->second, painted, part);
     } else {
-      read_plain(model, primitive, part);
+      read_plain(model, primitive, painted, part);
+    }
+    if (painted) {
+      if (part.normals.empty()) flatten(part);
+      append_normals(part, to_world, out);
+      append_colours(model, primitive, part, out);
     }
     append(part, to_world, out);
   }
 }
 
 /* `visits` bounds the walk: a hostile file may reach a node along many paths. */
-void add_node(const tinygltf::Model& model, int index, const matrix& parent, uint32_t depth, size_t& visits, soup& out) {
+void add_node(const tinygltf::Model& model, int index, const matrix& parent, uint32_t depth, bool painted, size_t& visits,
+              soup& out) {
   const tinygltf::Node& node = at(model.nodes, index, "node");
   if (depth >= depth_limit || ++visits > model.nodes.size()) throw fault("nodes form a loop, or are nested too deeply");
   matrix to_world = parent * matrix_of(node);
-  if (node.mesh >= 0) add_mesh(model, at(model.meshes, node.mesh, "mesh"), to_world, out);
-  for (int child : node.children) add_node(model, child, to_world, depth + 1, visits, out);
+  if (node.mesh >= 0) add_mesh(model, at(model.meshes, node.mesh, "mesh"), to_world, painted, out);
+  for (int child : node.children) add_node(model, child, to_world, depth + 1, painted, visits, out);
 }
 
-void add_scene(const tinygltf::Model& model, soup& out) {
+void add_scene(const tinygltf::Model& model, bool painted, soup& out) {
   if (model.scenes.empty()) throw fault("has no scene");
   const tinygltf::Scene& scene = at(model.scenes, model.defaultScene >= 0 ? model.defaultScene : 0, "scene");
   size_t visits = 0;
-  for (int node : scene.nodes) add_node(model, node, matrix::identity(), 0, visits, out);
+  for (int node : scene.nodes) add_node(model, node, matrix::identity(), 0, painted, visits, out);
 }
 
 /* A file may demand extensions; those that change nothing about shapes are welcome. */
@@ -361,21 +481,15 @@ void gltf_load(const char* bytes, size_t size, const char* file, tinygltf::Model
   if (!good) throw fault(message.empty() ? "not a glTF file" : message.substr(0, message.find('\n')));
 }
 
-extern "C" scree_result mesh_read_gltf(const char* bytes, size_t size, const char* file, triangle_mesh* out, scree_error* error) {
-  *out = triangle_mesh{};
+/* Everything that both readers do; *out is whole or empty. */
+static scree_result read_soup(const char* bytes, size_t size, const char* file, bool painted, soup& all, scree_error* error) {
   try {
     tinygltf::Model model;
     gltf_load(bytes, size, file, model);
     check_extensions(model);
-    soup all;
-    add_scene(model, all);
+    add_scene(model, painted, all);
     if (all.indices.empty()) throw fault("has no triangles");
-    out->positions = copy_of(all.positions);
-    out->indices = copy_of(all.indices);
-    out->vertex_count = all.vertex_count();
-    out->triangle_count = uint32_t(all.indices.size() / 3);
-    if (out->positions != nullptr && out->indices != nullptr) return SCREE_OK;
-    triangle_mesh_free(out);
+    return SCREE_OK;
   } catch (const fault& e) {
     return fail_with(error, SCREE_ERROR_SYNTAX, "%s: %s", file, e.what());
   } catch (const std::bad_alloc&) {
@@ -383,5 +497,35 @@ extern "C" scree_result mesh_read_gltf(const char* bytes, size_t size, const cha
   } catch (const std::exception& e) {
     return fail_with(error, SCREE_ERROR_SYNTAX, "%s: %s", file, e.what());
   }
+  return fail_with(error, SCREE_ERROR_OUT_OF_MEMORY, "%s: out of memory", file);
+}
+
+extern "C" scree_result mesh_read_gltf(const char* bytes, size_t size, const char* file, triangle_mesh* out, scree_error* error) {
+  *out = triangle_mesh{};
+  soup all;
+  scree_result result = read_soup(bytes, size, file, false, all, error);
+  if (result != SCREE_OK) return result;
+  out->positions = copy_of(all.positions);
+  out->indices = copy_of(all.indices);
+  out->vertex_count = all.vertex_count();
+  out->triangle_count = uint32_t(all.indices.size() / 3);
+  if (out->positions != nullptr && out->indices != nullptr) return SCREE_OK;
+  triangle_mesh_free(out);
+  return fail_with(error, SCREE_ERROR_OUT_OF_MEMORY, "%s: out of memory", file);
+}
+
+extern "C" scree_result model_read_gltf(const char* bytes, size_t size, const char* file, painted_mesh* out, scree_error* error) {
+  *out = painted_mesh{};
+  soup all;
+  scree_result result = read_soup(bytes, size, file, true, all, error);
+  if (result != SCREE_OK) return result;
+  out->positions = copy_of(all.positions);
+  out->normals = copy_of(all.normals);
+  out->colours = copy_of(all.colours);
+  out->indices = copy_of(all.indices);
+  out->vertex_count = all.vertex_count();
+  out->triangle_count = uint32_t(all.indices.size() / 3);
+  if (out->positions != nullptr && out->normals != nullptr && out->colours != nullptr && out->indices != nullptr) return SCREE_OK;
+  painted_mesh_free(out);
   return fail_with(error, SCREE_ERROR_OUT_OF_MEMORY, "%s: out of memory", file);
 }

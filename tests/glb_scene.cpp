@@ -125,6 +125,7 @@ glb_rock measure(const tinygltf::Model& model, const tinygltf::Primitive& p) {
   const size_t count = s.positions.size() / 3;
   check(count > 0 && s.normals.size() == count * 3 && s.colours.size() == count * 4, "attributes of different length");
   glb_rock rock{};
+  rock.is_grey = 1;
   rock.vertices = uint32_t(count);
   rock.triangles = uint32_t(s.indices.size() / 3);
   rock.shape = uint32_t(p.attributes.at("POSITION"));
@@ -142,7 +143,7 @@ glb_rock measure(const tinygltf::Model& model, const tinygltf::Primitive& p) {
     const float* n = &s.normals[3 * i];
     check(std::fabs(n[0] * n[0] + n[1] * n[1] + n[2] * n[2] - 1.0f) < 1e-3f, "a normal is not of unit length");
     check(s.colours[4 * i + 3] == 1.0f, "a vertex colour is not opaque");
-    check(s.colours[4 * i] == s.colours[4 * i + 1] && s.colours[4 * i] == s.colours[4 * i + 2], "occlusion is not grey");
+    rock.is_grey = rock.is_grey && s.colours[4 * i] == s.colours[4 * i + 1] && s.colours[4 * i] == s.colours[4 * i + 2];
   }
   double agreement = 0;
   for (size_t i = 0; i + 2 < s.indices.size(); i += 3) {
@@ -179,7 +180,17 @@ struct reader {
     return meshes[index] = rock;
   }
 
-  /* Nodes only move and scale evenly: that is all the writer uses. */
+  /* Sine and cosine of a unit quaternion, which has to turn about +Y. */
+  template <typename T>
+  static void turn_of(const T* q, double* turn) {
+    const double y = double(q[1]), w = double(q[3]);
+    check(q[0] == 0 && q[2] == 0, "a turn about another axis than +Y");
+    check(std::fabs(y * y + w * w - 1) < 1e-6, "a quaternion is not of unit length");
+    turn[0] = 2 * y * w;
+    turn[1] = w * w - y * y;
+  }
+
+  /* Nodes only move, scale evenly and, those of one rock, turn about +Y: that is all the writer uses. */
   void node(int index, const double* origin, double scale) {
     const tinygltf::Node& n = model.nodes.at(size_t(index));
     double place[3] = {origin[0], origin[1], origin[2]}, own = scale;
@@ -188,14 +199,17 @@ struct reader {
       check(n.scale[0] == n.scale[1] && n.scale[1] == n.scale[2], "uneven scale");
       own *= n.scale[0];
     }
-    check(n.rotation.empty() && n.matrix.empty(), "a node turns");
+    check(n.matrix.empty(), "a node has a matrix");
+    double turn[2] = {0, 1};
+    if (n.rotation.size() == 4) turn_of(n.rotation.data(), turn);
+    check(n.rotation.empty() || n.children.empty(), "a node turns others");
     auto instancing = n.extensions.find("EXT_mesh_gpu_instancing");
     if (instancing != n.extensions.end()) {
       instances(n, instancing->second.Get("attributes"), place, own);
     } else if (n.mesh >= 0) {
       glb_rock rock = mesh(n.mesh);
       const float white[3] = {1, 1, 1};
-      add(rock, place, own, white);
+      add(rock, place, own, turn, white);
     }
     for (int child : n.children) node(child, place, own);
   }
@@ -205,14 +219,23 @@ struct reader {
     const std::vector<float> t = numbers(model, attributes.Get("TRANSLATION").Get<int>(), TINYGLTF_TYPE_VEC3);
     const std::vector<float> c = numbers(model, attributes.Get("_COLOR_0").Get<int>(), TINYGLTF_TYPE_VEC3);
     check(t.size() == c.size(), "instance attributes of different length");
+    std::vector<float> r, s;
+    if (attributes.Has("ROTATION")) r = numbers(model, attributes.Get("ROTATION").Get<int>(), TINYGLTF_TYPE_VEC4);
+    if (attributes.Has("SCALE")) s = numbers(model, attributes.Get("SCALE").Get<int>(), TINYGLTF_TYPE_VEC3);
+    check(r.empty() || r.size() / 4 == t.size() / 3, "as many rotations as places");
+    check(s.empty() || s.size() == t.size(), "as many scales as places");
     for (size_t i = 0; i < t.size(); i += 3) {
-      double at[3];
+      double at[3], turn[2] = {0, 1};
       for (size_t k = 0; k < 3; ++k) at[k] = place[k] + scale * double(t[i + k]);
-      add(mesh(n.mesh), at, scale, &c[i]);
+      if (!r.empty()) turn_of(&r[i / 3 * 4], turn);
+      check(s.empty() || (s[i] == s[i + 1] && s[i] == s[i + 2]), "uneven scale");
+      add(mesh(n.mesh), at, scale * (s.empty() ? 1 : double(s[i])), turn, &c[i]);
     }
   }
 
-  void add(glb_rock rock, const double* place, double scale, const float* colour) {
+  void add(glb_rock rock, const double* place, double scale, const double* turn, const float* colour) {
+    rock.turn[0] = turn[0];
+    rock.turn[1] = turn[1];
     for (size_t k = 0; k < 3; ++k) {
       rock.position[k] = place[k];
       rock.min[k] *= scale;

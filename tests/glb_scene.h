@@ -13,7 +13,9 @@ extern "C" {
 /* One rock as a viewer would draw it. */
 typedef struct glb_rock {
   double position[3];    /* world, metres */
-  double min[3], max[3]; /* of its vertices, metres, relative to position */
+  double min[3], max[3]; /* of its vertices, metres, relative to position, before its turn */
+  double turn[2];        /* sine and cosine of its turn about +Y */
+  int is_grey;           /* all vertices have grey colours */
   double volume;         /* signed, cubic metres: positive when triangles face outwards */
   float colour[3];       /* base colour times the instance's own, linear */
   float base[3];         /* base colour alone */

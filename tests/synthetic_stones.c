@@ -125,7 +125,8 @@ bool synthetic_source(uint32_t count, render_source* out) {
       assets[i].errors[lod] = lod == 0 ? 0 : 1.2f / (float)(side * side);
     }
   }
-  *out = (render_source){count, LEVELS, SYNTHETIC_LATTICE, assets, decode, NULL};
+  *out = (render_source){
+      .asset_count = count, .lod_count = LEVELS, .lattice_per_cell = SYNTHETIC_LATTICE, .assets = assets, .decode = decode};
   return true;
 }
 

@@ -174,6 +174,7 @@ static void compare_rock(const glb_rock* rock, const expected_rock* expected, ro
   assert_int_equal(rock->triangles, level.triangles);
   assert_int_equal(rock->vertices, level.vertices);
   assert_true(rock->volume > 0);
+  assert_true(rock->is_grey && rock->turn[0] == 0 && rock->turn[1] == 1);
   for (int k = 0; k < 3 && lod == 0; ++k) {
     assert_near(rock->min[k], (double)record.bounds_min[k] * layer->cell_size, 1e-5);
     assert_near(rock->max[k], (double)record.bounds_max[k] * layer->cell_size, 1e-5);

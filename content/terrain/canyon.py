@@ -67,16 +67,20 @@ def chunk(kind, data):
     return struct.pack(">I", len(data)) + body + struct.pack(">I", zlib.crc32(body))
 
 
+def write_png(target, side, values):
+    """A square of 16-bit grey."""
+    rows = b"".join(b"\0" + struct.pack(f">{side}H", *values[z * side : (z + 1) * side]) for z in range(side))
+    with open(target, "wb") as file:
+        file.write(b"\x89PNG\r\n\x1a\n")
+        file.write(chunk(b"IHDR", struct.pack(">IIBBBBB", side, side, 16, 0, 0, 0, 0)))
+        file.write(chunk(b"IDAT", zlib.compress(rows, 9)) + chunk(b"IEND", b""))
+
+
 def write(target, walls, low, high):
     half = (SAMPLES - 1) / 2 * SPACING
     grid = [height(column * SPACING - half, row * SPACING - half, walls) for row in range(SAMPLES) for column in range(SAMPLES)]
     assert low <= min(grid) and max(grid) <= high, (min(grid), max(grid))
-    values = [round((h - low) / (high - low) * 65535) for h in grid]
-    rows = b"".join(b"\0" + struct.pack(f">{SAMPLES}H", *values[z * SAMPLES : (z + 1) * SAMPLES]) for z in range(SAMPLES))
-    with open(target, "wb") as file:
-        file.write(b"\x89PNG\r\n\x1a\n")
-        file.write(chunk(b"IHDR", struct.pack(">IIBBBBB", SAMPLES, SAMPLES, 16, 0, 0, 0, 0)))
-        file.write(chunk(b"IDAT", zlib.compress(rows, 9)) + chunk(b"IEND", b""))
+    write_png(target, SAMPLES, [round((h - low) / (high - low) * 65535) for h in grid])
     print(f'{target}: "spacing": {SPACING:g}, "low": {low:g}, "high": {high:g}')
 
 

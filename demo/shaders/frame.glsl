@@ -15,7 +15,7 @@ layout(std140) uniform Frame {
   vec4 sky_zenith;           // all colours are linear, Rec. 709
   vec4 sky_horizon;
   vec4 sky_haze;
-  vec4 ground_colour;
+  vec4 ground_colour;        // w: 1 if the ground is of sand
   vec4 ground;               // x: height, y: 1 if there is one, z: size of its stones in metres
   vec4 water;                // rgb: colour, w: 1 if the ground is water
   vec4 occlusion;            // x: radius in metres, y: largest radius in pixels, z: slices, w: strength
@@ -28,9 +28,11 @@ const uint KIND_STONE = 1u;
 const uint KIND_GROUND = 2u;
 const uint KIND_TERRAIN = 3u;
 const uint KIND_WATER = 4u;
+const uint KIND_MODEL = 5u; // a hoodoo, or an asset of somebody else's
 
 // The tags of a pixel. x: hash. y: level of detail in bits 0..3, wireframe in 4, kind in 8..11, logarithm of the cell size in
-// 16..31. z: row of the stone + 1. w: sRGB colour in three bytes, code of the corner cube in the fourth.
+// 16..31. z: row of the stone + 1. w: sRGB colour in three bytes, code of the corner cube in the fourth. Models: 1 in bit 12 of y
+// when painted, the share of colluvium in 13..15; in the fourth byte of w the curvature, 128 = flat.
 uint tag_lod(uvec4 tags) { return tags.y & 15u; }
 bool tag_wire(uvec4 tags) { return (tags.y >> 4 & 1u) != 0u; }
 uint tag_kind(uvec4 tags) { return tags.y >> 8 & 15u; }

@@ -39,6 +39,21 @@ Surface ground_surface(vec3 point, vec3 normal, float unit, float pixel) {
   vec3 albedo = mix(earth, green, 0.85 * grass);
   albedo *= max(1.0 + 0.36 * small + 0.30 * grain.w, 0.2);
 
+  // Sand instead: ripples that the wind makes, patches of coarser grain, nothing that grows.
+  if (ground_colour.w > 0.5) {
+    vec2 across = vec2(0.83, 0.56);
+    float bent = dot(point.xz, across) + 0.35 * broad.x + 0.10 * noise(point * 1.3, pixel * 1.3).x;
+    vec4 ripple = noise(vec3(bent * 7.0, 0.5, dot(point.xz, vec2(-across.y, across.x)) * 0.8), pixel * 7.0);
+    float blown = smoothstep(-0.15, 0.30, wide.x + 0.5 * broad.x) * slant;
+    slope = 0.55 * slope + 0.30 * grain.xyz;
+    slope.xz += blown * 0.16 * ripple.y * across;
+    mean = ground_colour.rgb;
+    albedo = mean * mix(vec3(1.05, 1.04, 1.02), vec3(0.90, 0.86, 0.82), smoothstep(-0.4, 0.5, large + 0.7 * wide.x));
+    albedo *= max(1.0 + 0.20 * large + 0.14 * small + 0.30 * grain.w + blown * 0.10 * ripple.x, 0.2);
+    mean *= vec3(0.92, 0.80, 0.70);
+    grass = 0.0;
+  }
+
   // Where it is too steep for earth the rock shows: beds that run level, cracks that run down.
   float cliff = smoothstep(0.74, 0.52, normal.y);
   if (cliff > 0.0) {

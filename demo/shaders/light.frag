@@ -17,7 +17,7 @@ vec3 tell_colour(uvec4 tags, out bool told) {
     return LEVELS[min(tag_lod(tags), 5u)];
   }
   if (mode.x == 2) {
-    uint code = tag_tile(tags);
+    uint code = tag_kind(tags) == KIND_MODEL ? tags.x : tag_tile(tags);
     float turn = hash_unit(code * 7u + 3u);
     return mix(vec3(0.36), hue(turn) * 0.7, mix(0.35, 0.85, hash_unit(code * 7u + 4u))) * mix(0.55, 1.0, hash_unit(code * 7u + 5u));
   }
@@ -41,6 +41,13 @@ Surface water_surface(vec3 point, float pixel) {
   result.albedo = water.rgb;
   result.cavity = 0.0;
   return result;
+}
+
+// Hoodoos; what is painted stays as it is.
+Surface model_surface(uvec4 tags, vec3 point, vec3 normal, float pixel) {
+  if ((tags.y >> 12 & 1u) != 0u) return Surface(tag_colour(tags), normal, 0.0);
+  float loose = float(tags.y >> 13 & 7u) / 7.0, bend = (float(tags.w >> 24) - 128.0) / 127.0;
+  return sandstone_surface(point, normal, tag_colour(tags), loose, bend, tags.x, pixel);
 }
 
 // What water mirrors: the sky overhead, and what stands round it lower down.
@@ -76,6 +83,8 @@ void main() {
     surface = water_surface(point, pixel);
   else if (kind == KIND_STONE)
     surface = stone_surface(point, normal, tag_colour(tags), cell, tags.x, pixel);
+  else if (kind == KIND_MODEL)
+    surface = model_surface(tags, point, normal, pixel);
   else
     surface = ground_surface(point, normal, clamp(ground.z, 0.25, 1.5), pixel);
 
@@ -91,22 +100,22 @@ void main() {
     }
   open /= max(total, 1.0);
   open = mix(1.0, open, occlusion.w);
-  float baked = kind == KIND_STONE ? seen.w : 1.0;
+  float baked = kind == KIND_STONE || kind == KIND_MODEL ? seen.w : 1.0;
   open = pow(open, 1.6); // what lies beyond the search hides some sky, too
   float ambient = open * mix(1.0, baked, 0.9) * (1.0 - 0.30 * surface.cavity);
 
-  if (kind == KIND_STONE) {
+  if (kind == KIND_STONE || kind == KIND_MODEL) {
     bool told;
     vec3 colour = tell_colour(tags, told);
     if (told) surface.albedo = colour;
     // Earth splashes up the lowest stones.
-    else if (ground.y > 0.5) {
+    else if (kind == KIND_STONE && ground.y > 0.5) {
       float height = (point.y - ground.x) / cell;
       float dirt = exp2(-6.0 * max(height, 0.0)) * 0.45;
       surface.albedo = mix(surface.albedo, ground_colour.rgb * 0.8, dirt);
     }
     // Stones that stand in water are wet a hand above it.
-    else if (water.w > 0.5)
+    else if (kind == KIND_STONE && water.w > 0.5)
       surface.albedo *= mix(0.50, 1.0, smoothstep(0.02, 0.16, (point.y - ground.x) / cell));
   }
 
