@@ -2,12 +2,11 @@
  * the reader, the writer and --set cannot disagree; content/schema/recipe.schema.json is held against it by a test. */
 #include "recipe.h"
 
-#include <cjson/cJSON.h>
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
+
+#include "recipe_text.h"
 
 #define TURN_QUARTER 1.5707963267948966
 
@@ -70,45 +69,23 @@ void scree_recipe_default(scree_recipe* out) {
   out->proxies = true;
 }
 
-static void say(scree_error* error, const char* format, ...) {
-  if (error == NULL) return;
-  va_list arguments;
-  va_start(arguments, format);
-  vsnprintf(error->message, sizeof error->message, format, arguments);
-  va_end(arguments);
-  for (char* c = error->message; *c != '\0'; ++c)
-    if ((unsigned char)*c < ' ') *c = ' ';
-}
-
 static const recipe_key* find_key(const char* name) {
   for (size_t i = 0; i < recipe_key_count; ++i)
     if (strcmp(recipe_keys[i].name, name) == 0) return &recipe_keys[i];
   return NULL;
 }
 
-/* A value of the file as a short piece of text, for errors. */
-static void describe(const cJSON* value, char* text, size_t capacity) {
-  if (cJSON_IsString(value))
-    snprintf(text, capacity, "\"%.40s\"", value->valuestring);
-  else if (cJSON_IsNumber(value))
-    snprintf(text, capacity, "%g", value->valuedouble);
-  else if (cJSON_IsBool(value))
-    snprintf(text, capacity, "%s", cJSON_IsTrue(value) ? "true" : "false");
-  else
-    snprintf(text, capacity, "%s", cJSON_IsArray(value) ? "an array" : cJSON_IsObject(value) ? "an object" : "null");
-}
-
 static scree_result read_number(const recipe_key* key, const cJSON* value, bool whole, double* out, scree_error* error) {
   char text[64];
-  describe(value, text, sizeof text);
+  recipe_describe(value, text, sizeof text);
   if (!cJSON_IsNumber(value)) {
-    say(error, "%s: expected a number, got %s", key->name, text);
+    recipe_say(error, "%s: expected a number, got %s", key->name, text);
     return SCREE_ERROR_SYNTAX;
   }
   const double number = value->valuedouble;
   if (!(number >= key->min && number <= key->max) || (whole && floor(number) != number)) {
-    say(error, "%s: expected a %snumber from %.10g to %.10g, got %.10g", key->name, whole ? "whole " : "", key->min, key->max,
-        number);
+    recipe_say(error, "%s: expected a %snumber from %.10g to %.10g, got %.10g", key->name, whole ? "whole " : "", key->min,
+               key->max, number);
     return SCREE_ERROR_RANGE;
   }
   *out = number;
@@ -123,7 +100,7 @@ static scree_result read_range(const recipe_key* key, const cJSON* value, bool w
     return result;
   }
   if (cJSON_GetArraySize(value) != 2) {
-    say(error, "%s: expected a number or [least, most], got %d numbers", key->name, cJSON_GetArraySize(value));
+    recipe_say(error, "%s: expected a number or [least, most], got %d numbers", key->name, cJSON_GetArraySize(value));
     return SCREE_ERROR_SYNTAX;
   }
   for (int i = 0; i < 2; ++i) {
@@ -131,7 +108,7 @@ static scree_result read_range(const recipe_key* key, const cJSON* value, bool w
     if (result != SCREE_OK) return result;
   }
   if (out[0] > out[1]) {
-    say(error, "%s: the least number, %.10g, is greater than the most, %.10g", key->name, out[0], out[1]);
+    recipe_say(error, "%s: the least number, %.10g, is greater than the most, %.10g", key->name, out[0], out[1]);
     return SCREE_ERROR_RANGE;
   }
   return SCREE_OK;
@@ -139,7 +116,7 @@ static scree_result read_range(const recipe_key* key, const cJSON* value, bool w
 
 static scree_result read_choice(const recipe_key* key, const cJSON* value, int* out, scree_error* error) {
   char text[64];
-  describe(value, text, sizeof text);
+  recipe_describe(value, text, sizeof text);
   if (cJSON_IsString(value)) {
     const char* word = key->choices;
     for (int i = 0; word != NULL; ++i) {
@@ -152,7 +129,7 @@ static scree_result read_choice(const recipe_key* key, const cJSON* value, int* 
       word = space == NULL ? NULL : space + 1;
     }
   }
-  say(error, "%s: expected one of: %s; got %s", key->name, key->choices, text);
+  recipe_say(error, "%s: expected one of: %s; got %s", key->name, key->choices, text);
   return SCREE_ERROR_SYNTAX;
 }
 
@@ -161,11 +138,11 @@ static scree_result read_value(const recipe_key* key, const cJSON* value, scree_
   double number[3];
   scree_result result = SCREE_OK;
   char text[64];
-  describe(value, text, sizeof text);
+  recipe_describe(value, text, sizeof text);
   switch (key->kind) {
     case RECIPE_TEXT:
       if (!cJSON_IsString(value) || strlen(value->valuestring) > (size_t)key->max) {
-        say(error, "%s: expected a text of at most %.0f bytes, got %s", key->name, key->max, text);
+        recipe_say(error, "%s: expected a text of at most %.0f bytes, got %s", key->name, key->max, text);
         return SCREE_ERROR_SYNTAX;
       }
       strcpy(field, value->valuestring);
@@ -190,7 +167,7 @@ static scree_result read_value(const recipe_key* key, const cJSON* value, scree_
       break;
     case RECIPE_VECTOR:
       if (!cJSON_IsArray(value) || cJSON_GetArraySize(value) != 3) {
-        say(error, "%s: expected three numbers [x, y, z], got %s", key->name, text);
+        recipe_say(error, "%s: expected three numbers [x, y, z], got %s", key->name, text);
         return SCREE_ERROR_SYNTAX;
       }
       for (int i = 0; i < 3 && result == SCREE_OK; ++i)
@@ -199,7 +176,7 @@ static scree_result read_value(const recipe_key* key, const cJSON* value, scree_
       break;
     case RECIPE_BOOL:
       if (!cJSON_IsBool(value)) {
-        say(error, "%s: expected true or false, got %s", key->name, text);
+        recipe_say(error, "%s: expected true or false, got %s", key->name, text);
         return SCREE_ERROR_SYNTAX;
       }
       *(bool*)(void*)field = cJSON_IsTrue(value) != 0;
@@ -217,66 +194,41 @@ static scree_result read_value(const recipe_key* key, const cJSON* value, scree_
 /* What no key alone can say. */
 static scree_result recipe_check(const scree_recipe* recipe, scree_error* error) {
   if (recipe->contact_blend <= recipe->contact_radius) {
-    say(error, "contact_blend: %g must be greater than contact_radius, %g", recipe->contact_blend, recipe->contact_radius);
+    recipe_say(error, "contact_blend: %g must be greater than contact_radius, %g", recipe->contact_blend, recipe->contact_radius);
     return SCREE_ERROR_RANGE;
   }
   if (recipe->lattice_steps % 2 != 0) {
-    say(error, "lattice_steps: %u must be even, so that voxel centres lie on the lattice", recipe->lattice_steps);
+    recipe_say(error, "lattice_steps: %u must be even, so that voxel centres lie on the lattice", recipe->lattice_steps);
     return SCREE_ERROR_RANGE;
   }
   if (recipe->voxels_per_cell % 2 != 0) {
-    say(error, "voxels_per_cell: %u must be even, so that no voxel lies on the border of a cell", recipe->voxels_per_cell);
+    recipe_say(error, "voxels_per_cell: %u must be even, so that no voxel lies on the border of a cell", recipe->voxels_per_cell);
     return SCREE_ERROR_RANGE;
   }
   const double* axis = recipe->align_axis;
   if (recipe->orientation == SCREE_ORIENTATION_ALIGNED && axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2] < 1e-12) {
-    say(error, "align_axis: the axis must not be zero");
+    recipe_say(error, "align_axis: the axis must not be zero");
     return SCREE_ERROR_RANGE;
   }
   return SCREE_OK;
 }
 
-static bool is_space(char c) {
-  return c == ' ' || c == '\t' || c == '\n' || c == '\r';
-}
-
 scree_result scree_recipe_parse(const char* text, size_t size, scree_recipe* out, scree_error* error) {
   scree_recipe_default(out);
-  const char* end = NULL;
-  cJSON* root = cJSON_ParseWithLengthOpts(text, size, &end, false);
-  while (root != NULL && end < text + size && is_space(*end)) ++end;
-  if (root != NULL && end < text + size) {
-    cJSON_Delete(root);
-    root = NULL;
-  }
-  if (root == NULL) {
-    size_t line = 1;
-    for (const char* c = text; end != NULL && c < end && c < text + size; ++c) line += *c == '\n';
-    say(error, "line %zu: not valid JSON", line);
-    return SCREE_ERROR_SYNTAX;
-  }
+  cJSON* root = recipe_root(text, size, error);
+  if (root == NULL) return SCREE_ERROR_SYNTAX;
   scree_result result = SCREE_OK;
-  if (!cJSON_IsObject(root)) {
-    say(error, "a recipe is a JSON object");
-    result = SCREE_ERROR_SYNTAX;
-  }
-  for (const cJSON* item = result == SCREE_OK ? root->child : NULL; item != NULL && result == SCREE_OK; item = item->next) {
-    if (strcmp(item->string, "$schema") == 0 && cJSON_IsString(item)) continue;
+  for (const cJSON* item = root->child; item != NULL && result == SCREE_OK; item = item->next) {
     const recipe_key* key = find_key(item->string);
-    if (strcmp(item->string, "$schema") == 0) {
-      say(error, "$schema: expected a text");
-      result = SCREE_ERROR_SYNTAX;
-    } else if (key == NULL) {
-      say(error, "%.60s: unknown key", item->string);
-      result = SCREE_ERROR_SYNTAX;
-    } else {
-      for (const cJSON* other = root->child; other != item; other = other->next)
-        if (strcmp(other->string, item->string) == 0) {
-          say(error, "%.60s: given twice", item->string);
-          result = SCREE_ERROR_SYNTAX;
-        }
-      if (result == SCREE_OK) result = read_value(key, item, out, error);
+    const bool schema = strcmp(item->string, "$schema") == 0, kind = strcmp(item->string, "kind") == 0;
+    if (schema && cJSON_IsString(item)) continue;
+    if (kind && cJSON_IsString(item) && strcmp(item->valuestring, "rocks") == 0) continue;
+    if (key != NULL) {
+      result = read_value(key, item, out, error);
+      continue;
     }
+    recipe_say(error, schema ? "%.60s: expected a text" : kind ? "%.60s: expected \"rocks\"" : "%.60s: unknown key", item->string);
+    result = SCREE_ERROR_SYNTAX;
   }
   cJSON_Delete(root);
   return result == SCREE_OK ? recipe_check(out, error) : result;
@@ -286,18 +238,17 @@ scree_result scree_recipe_set(scree_recipe* recipe, const char* assignment, scre
   const char* equals = strchr(assignment, '=');
   char name[64];
   if (equals == NULL || (size_t)(equals - assignment) >= sizeof name) {
-    say(error, "%.60s: expected KEY=VALUE", assignment);
+    recipe_say(error, "%.60s: expected KEY=VALUE", assignment);
     return SCREE_ERROR_SYNTAX;
   }
   memcpy(name, assignment, (size_t)(equals - assignment));
   name[equals - assignment] = '\0';
   const recipe_key* key = find_key(name);
   if (key == NULL) {
-    say(error, "%s: unknown key", name);
+    recipe_say(error, "%s: unknown key", name);
     return SCREE_ERROR_SYNTAX;
   }
-  cJSON* value = cJSON_ParseWithOpts(equals + 1, NULL, true);
-  if (value == NULL) value = cJSON_CreateString(equals + 1);
+  cJSON* value = recipe_set_value(equals + 1);
   if (value == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
   scree_recipe changed = *recipe;
   scree_result result = read_value(key, value, &changed, error);
@@ -307,90 +258,52 @@ scree_result scree_recipe_set(scree_recipe* recipe, const char* assignment, scre
   return result;
 }
 
-/* Appends like snprintf, counting what does not fit. */
-typedef struct writer {
-  char* text;
-  size_t capacity, size;
-} writer;
-
-static void put(writer* out, const char* format, ...) {
-  va_list arguments;
-  va_start(arguments, format);
-  const size_t room = out->size < out->capacity ? out->capacity - out->size : 0;
-  out->size += (size_t)vsnprintf(room > 0 ? out->text + out->size : NULL, room, format, arguments);
-  va_end(arguments);
-}
-
-/* The shortest decimal that reads back as the same number. */
-static void put_number(writer* out, double number) {
-  char text[32];
-  for (int digits = 1; digits <= 17; ++digits) {
-    snprintf(text, sizeof text, "%.*g", digits, number);
-    if (strtod(text, NULL) == number) break;
-  }
-  put(out, "%s", text);
-}
-
-static void put_text(writer* out, const char* text) {
-  put(out, "\"");
-  for (; *text != '\0'; ++text) {
-    const unsigned char c = (unsigned char)*text;
-    if (c == '"' || c == '\\')
-      put(out, "\\%c", c);
-    else if (c < ' ')
-      put(out, "\\u%04x", c);
-    else
-      put(out, "%c", c);
-  }
-  put(out, "\"");
-}
-
 size_t scree_recipe_write(const scree_recipe* recipe, char* text, size_t capacity) {
-  writer out = {text, capacity, 0};
-  put(&out, "{\n");
+  recipe_writer out = {text, capacity, 0};
+  recipe_put(&out, "{\n");
   for (size_t i = 0; i < recipe_key_count; ++i) {
     const recipe_key* key = &recipe_keys[i];
     const char* field = (const char*)recipe + key->offset;
-    put(&out, "  \"%s\": ", key->name);
+    recipe_put(&out, "  \"%s\": ", key->name);
     switch (key->kind) {
-      case RECIPE_TEXT: put_text(&out, field); break;
-      case RECIPE_SEED: put(&out, "%llu", (unsigned long long)*(const uint64_t*)(const void*)field); break;
-      case RECIPE_COUNT: put(&out, "%u", *(const uint32_t*)(const void*)field); break;
+      case RECIPE_TEXT: recipe_put_text(&out, field); break;
+      case RECIPE_SEED: recipe_put(&out, "%llu", (unsigned long long)*(const uint64_t*)(const void*)field); break;
+      case RECIPE_COUNT: recipe_put(&out, "%u", *(const uint32_t*)(const void*)field); break;
       case RECIPE_COUNT_RANGE: {
         const uint32_t* range = (const uint32_t*)(const void*)field;
         if (range[0] == range[1])
-          put(&out, "%u", range[0]);
+          recipe_put(&out, "%u", range[0]);
         else
-          put(&out, "[%u, %u]", range[0], range[1]);
+          recipe_put(&out, "[%u, %u]", range[0], range[1]);
         break;
       }
-      case RECIPE_NUMBER: put_number(&out, *(const double*)(const void*)field); break;
+      case RECIPE_NUMBER: recipe_put_number(&out, *(const double*)(const void*)field); break;
       case RECIPE_RANGE: {
         const scree_range* range = (const scree_range*)(const void*)field;
-        if (range->min != range->max) put(&out, "[");
-        put_number(&out, range->min);
+        if (range->min != range->max) recipe_put(&out, "[");
+        recipe_put_number(&out, range->min);
         if (range->min != range->max) {
-          put(&out, ", ");
-          put_number(&out, range->max);
-          put(&out, "]");
+          recipe_put(&out, ", ");
+          recipe_put_number(&out, range->max);
+          recipe_put(&out, "]");
         }
         break;
       }
       case RECIPE_VECTOR: {
         const double* vector = (const double*)(const void*)field;
         for (int axis = 0; axis < 3; ++axis) {
-          put(&out, axis == 0 ? "[" : ", ");
-          put_number(&out, vector[axis]);
+          recipe_put(&out, axis == 0 ? "[" : ", ");
+          recipe_put_number(&out, vector[axis]);
         }
-        put(&out, "]");
+        recipe_put(&out, "]");
         break;
       }
-      case RECIPE_BOOL: put(&out, "%s", *(const bool*)(const void*)field ? "true" : "false"); break;
-      case RECIPE_CHOICE: put_text(&out, recipe->orientation == SCREE_ORIENTATION_ALIGNED ? "aligned" : "random"); break;
+      case RECIPE_BOOL: recipe_put(&out, "%s", *(const bool*)(const void*)field ? "true" : "false"); break;
+      case RECIPE_CHOICE: recipe_put_text(&out, recipe->orientation == SCREE_ORIENTATION_ALIGNED ? "aligned" : "random"); break;
     }
-    put(&out, i + 1 < recipe_key_count ? ",\n" : "\n");
+    recipe_put(&out, i + 1 < recipe_key_count ? ",\n" : "\n");
   }
-  put(&out, "}\n");
+  recipe_put(&out, "}\n");
   return out.size;
 }
 
@@ -418,11 +331,11 @@ scree_result recipe_check_all(const scree_recipe* recipe, scree_error* error) {
     }
     for (int v = 0; v < 3; ++v)
       if (!(values[v] >= key->min && values[v] <= key->max)) {
-        say(error, "%s: expected a number from %.10g to %.10g, got %.10g", key->name, key->min, key->max, values[v]);
+        recipe_say(error, "%s: expected a number from %.10g to %.10g, got %.10g", key->name, key->min, key->max, values[v]);
         return SCREE_ERROR_RANGE;
       }
     if ((key->kind == RECIPE_RANGE || key->kind == RECIPE_COUNT_RANGE) && values[0] > values[1]) {
-      say(error, "%s: the least number, %.10g, is greater than the most, %.10g", key->name, values[0], values[1]);
+      recipe_say(error, "%s: the least number, %.10g, is greater than the most, %.10g", key->name, values[0], values[1]);
       return SCREE_ERROR_RANGE;
     }
   }

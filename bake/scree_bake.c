@@ -1,7 +1,7 @@
-/* scree-bake: a recipe file in, a pack file out. A thin program over include/scree/bake.h. */
+/* scree-bake: a recipe file in, a pack file out. A thin program over scree/bake.h and scree/hoodoo.h. */
 #define _POSIX_C_SOURCE 200809L
 #include <errno.h>
-#include <scree/bake.h>
+#include <scree/hoodoo.h>
 #include <scree/threads.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,22 +9,25 @@
 #include <unistd.h>
 
 #include "file.h"
+#include "start_files.h"
 
 static const char usage[] =
     "Usage: scree-bake RECIPE.json -o PACK.scree [options]\n"
     "\n"
     "Bakes all unique rocks of a recipe into a pack: meshes at several levels of detail, hulls, contacts,\n"
-    "and merged meshes of tiles for far fields (--set proxies=false leaves these out).\n"
+    "and merged meshes of tiles for far fields (--set proxies=false leaves these out). A recipe with\n"
+    "\"kind\": \"hoodoo\" is weathered instead: its variants, each in several ages.\n"
     "\n"
     "  -o, --output FILE    the pack to write (a temporary file beside it is renamed when all is well)\n"
-    "      --set KEY=VALUE  override a key of the recipe, VALUE as in JSON: --set n=5 --set g=[1,2]; may be repeated\n"
+    "      --set KEY=VALUE  override a key of the recipe, VALUE as in JSON: --set n=5 --set g=[1,2]; may be repeated;\n"
+    "                       of hoodoos also --set start.radius=40\n"
     "      --threads N      worker threads, 1..64; default: one a processor. The pack does not depend on it\n"
-    "      --report FILE    write rocks, triangles, bytes, digest and seconds by stage as JSON; - is standard output\n"
+    "      --report FILE    write rocks or models, triangles, bytes, digest and seconds by stage as JSON; - is standard output\n"
     "      --print-recipe   print the recipe with every key and its value, and stop\n"
     "  -q, --quiet          no progress, no summary\n"
     "      --help, --version\n"
     "\n"
-    "The keys of a recipe are described in content/schema/recipe.schema.json.\n"
+    "The keys of a recipe are described in content/schema/recipe.schema.json and hoodoo.schema.json.\n"
     "Exit status: 0 done, 1 the machine failed (out of memory, disk full), 2 a mistake in the arguments or the recipe.\n";
 
 typedef struct options {
@@ -140,8 +143,18 @@ static bool show_progress(void* user, const char* stage, double done) {
   return true;
 }
 
-static bool write_report(const char* path, const scree_recipe* recipe, const scree_bake_report* report, uint32_t threads,
-                         scree_error* error) {
+/* What was baked, of either kind. */
+typedef struct baked {
+  const char* name;   /* the recipe's */
+  const char* pieces; /* "rocks" or "models" */
+  uint32_t lod_levels, threads;
+  uint8_t* bytes;
+  size_t size;
+  scree_bake_report report;
+} baked;
+
+static bool write_report(const char* path, const baked* pack, scree_error* error) {
+  const scree_bake_report* report = &pack->report;
   char* text = NULL;
   size_t size = 0;
   FILE* out = open_memstream(&text, &size);
@@ -150,19 +163,19 @@ static bool write_report(const char* path, const scree_recipe* recipe, const scr
     return false;
   }
   fprintf(out, "{\n  \"recipe\": \"");
-  for (const char* c = recipe->name; *c != '\0'; ++c) {
+  for (const char* c = pack->name; *c != '\0'; ++c) {
     if (*c == '"' || *c == '\\') fputc('\\', out);
     if ((unsigned char)*c >= ' ') fputc(*c, out);
   }
-  fprintf(out, "\",\n  \"rocks\": %u,\n  \"contacts\": %llu,\n  \"triangles\": %llu,\n  \"lod_triangles\": [", report->rocks,
-          (unsigned long long)report->contacts, (unsigned long long)report->triangles);
-  for (uint32_t level = 0; level < recipe->lod_levels; ++level)
+  fprintf(out, "\",\n  \"%s\": %u,\n  \"contacts\": %llu,\n  \"triangles\": %llu,\n  \"lod_triangles\": [", pack->pieces,
+          report->rocks, (unsigned long long)report->contacts, (unsigned long long)report->triangles);
+  for (uint32_t level = 0; level < pack->lod_levels; ++level)
     fprintf(out, "%s%llu", level == 0 ? "" : ", ", (unsigned long long)report->lod_triangles[level]);
   fprintf(out,
           "],\n  \"proxies\": %u,\n  \"proxy_triangles\": %llu,\n  \"proxy_bytes\": %llu,\n  \"bytes\": %llu,\n  \"digest\": "
           "\"%016llx\",\n  \"threads\": %u,\n  \"version\": \"%s\",\n  \"seconds\": {\n",
           report->proxies, (unsigned long long)report->proxy_triangles, (unsigned long long)report->proxy_bytes,
-          (unsigned long long)report->bytes, (unsigned long long)report->digest, threads, scree_version_string());
+          (unsigned long long)report->bytes, (unsigned long long)report->digest, pack->threads, scree_version_string());
   for (uint32_t s = 0; s < report->stage_count; ++s)
     fprintf(out, "    \"%s\": %.3f,\n", report->stages[s].name, report->stages[s].seconds);
   fprintf(out, "    \"total\": %.3f\n  }\n}\n", report->seconds);
@@ -174,27 +187,89 @@ static bool write_report(const char* path, const scree_recipe* recipe, const scr
   return good;
 }
 
+/* Which of the two recipes it is, and what goes with it. */
+typedef struct any_recipe {
+  scree_recipe_kind kind;
+  scree_recipe rocks;
+  scree_hoodoo_recipe hoodoo;
+} any_recipe;
+
+/* Returns -1 to go on, else the exit status. */
+static int read_recipe(const options* given, any_recipe* out) {
+  size_t size;
+  scree_error error = {{0}};
+  char* text = read_text(given->recipe, &size);
+  if (text == NULL) return fail(2, given->recipe, strerror(errno));
+  scree_result result = scree_recipe_get_kind(text, size, &out->kind, &error);
+  const bool hoodoo = out->kind == SCREE_RECIPE_HOODOO;
+  if (result == SCREE_OK)
+    result = hoodoo ? scree_hoodoo_parse(text, size, &out->hoodoo, &error) : scree_recipe_parse(text, size, &out->rocks, &error);
+  free(text);
+  if (result != SCREE_OK) return fail(2, given->recipe, error.message);
+  for (uint32_t s = 0; s < given->set_count; ++s) {
+    const char* set = given->sets[s];
+    result = hoodoo ? scree_hoodoo_set(&out->hoodoo, set, &error) : scree_recipe_set(&out->rocks, set, &error);
+    if (result != SCREE_OK) return fail(2, "--set", error.message);
+  }
+  return -1;
+}
+
+static int print_recipe(const any_recipe* recipe) {
+  const bool hoodoo = recipe->kind == SCREE_RECIPE_HOODOO;
+  const size_t size = (hoodoo ? scree_hoodoo_write(&recipe->hoodoo, NULL, 0) : scree_recipe_write(&recipe->rocks, NULL, 0)) + 1;
+  char* text = malloc(size);
+  if (text == NULL) return fail(1, "--print-recipe", "out of memory");
+  if (hoodoo)
+    scree_hoodoo_write(&recipe->hoodoo, text, size);
+  else
+    scree_recipe_write(&recipe->rocks, text, size);
+  fputs(text, stdout);
+  free(text);
+  return 0;
+}
+
+static scree_result bake_rocks(const any_recipe* recipe, const scree_jobs* jobs, bool terminal, baked* out, scree_error* error) {
+  const scree_bake_desc desc = {.recipe = &recipe->rocks, .jobs = *jobs, .progress = terminal ? show_progress : NULL};
+  out->name = recipe->rocks.name;
+  out->pieces = "rocks";
+  out->lod_levels = recipe->rocks.lod_levels;
+  return scree_bake_rocks(&desc, &out->bytes, &out->size, &out->report, error);
+}
+
+/* Files that the recipe names lie beside it. */
+static scree_result bake_hoodoo(const any_recipe* recipe, const char* path, const scree_jobs* jobs, bool terminal, baked* out,
+                                scree_error* error) {
+  scree_hoodoo_desc desc = {.recipe = &recipe->hoodoo, .jobs = *jobs, .progress = terminal ? show_progress : NULL};
+  out->name = recipe->hoodoo.name;
+  out->pieces = "models";
+  out->lod_levels = recipe->hoodoo.lod_levels;
+  start_files files;
+  scree_result result = start_files_read(&recipe->hoodoo, path, &files, error);
+  if (result != SCREE_OK) return result;
+  desc.map = files.map;
+  desc.map_width = files.width;
+  desc.map_depth = files.depth;
+  desc.mesh = files.mesh;
+  result = scree_hoodoo_bake(&desc, &out->bytes, &out->size, &out->report, error);
+  start_files_free(&files);
+  return result;
+}
+
+/* A mistake of the recipe, and not of the machine. */
+static bool is_mistake(scree_result result) {
+  return result != SCREE_ERROR_OUT_OF_MEMORY && result != SCREE_ERROR_UNSUPPORTED && result != SCREE_ERROR_CANCELLED;
+}
+
 int main(int count, char** arguments) {
   options given;
-  const int status = parse_options(count, arguments, &given);
+  int status = parse_options(count, arguments, &given);
   if (status >= 0) return status;
+  static any_recipe recipe; /* large for a stack */
+  status = read_recipe(&given, &recipe);
+  if (status >= 0) return status;
+  if (given.print) return print_recipe(&recipe);
 
-  size_t size;
-  char* text = read_text(given.recipe, &size);
-  if (text == NULL) return fail(2, given.recipe, strerror(errno));
-  scree_recipe recipe;
   scree_error error = {{0}};
-  scree_result result = scree_recipe_parse(text, size, &recipe, &error);
-  free(text);
-  if (result != SCREE_OK) return fail(2, given.recipe, error.message);
-  for (uint32_t s = 0; s < given.set_count; ++s)
-    if (scree_recipe_set(&recipe, given.sets[s], &error) != SCREE_OK) return fail(2, "--set", error.message);
-  if (given.print) {
-    char all[8192];
-    scree_recipe_write(&recipe, all, sizeof all);
-    fputs(all, stdout);
-    return 0;
-  }
   const bool reports_to_file = given.report != NULL && strcmp(given.report, "-") != 0;
   if (reports_to_file && file_is_replaced(given.report) && strcmp(given.report, given.output) == 0)
     return fail(2, given.report, "cannot be both the pack and the report");
@@ -204,25 +279,26 @@ int main(int count, char** arguments) {
   const bool terminal = isatty(STDERR_FILENO) != 0 && !given.quiet;
   const uint32_t threads = given.threads > 0 ? given.threads : scree_threads_processors();
   scree_threads* pool;
-  result = scree_threads_create(threads - 1, NULL, &pool);
+  scree_result result = scree_threads_create(threads - 1, NULL, &pool);
   if (result != SCREE_OK) return fail(1, "threads", scree_result_string(result));
-  const scree_bake_desc desc = {.recipe = &recipe, .jobs = scree_threads_jobs(pool), .progress = terminal ? show_progress : NULL};
-  uint8_t* bytes;
-  scree_bake_report report;
-  result = scree_bake_rocks(&desc, &bytes, &size, &report, &error);
+  const scree_jobs jobs = scree_threads_jobs(pool);
+  baked pack = {.threads = jobs.worker_count};
+  result = recipe.kind == SCREE_RECIPE_HOODOO ? bake_hoodoo(&recipe, given.recipe, &jobs, terminal, &pack, &error)
+                                              : bake_rocks(&recipe, &jobs, terminal, &pack, &error);
   scree_threads_destroy(pool);
   if (terminal) fprintf(stderr, "\r%*s\r", 60, "");
   if (result != SCREE_OK)
-    return fail(result == SCREE_ERROR_RANGE ? 2 : 1, given.recipe,
-                error.message[0] != '\0' ? error.message : scree_result_string(result));
+    return fail(is_mistake(result) ? 2 : 1, given.recipe, error.message[0] != '\0' ? error.message : scree_result_string(result));
 
   int exit_status = 0;
-  if (!write_file(given.output, bytes, size, &error)) exit_status = fail_with_file(1, &error);
-  scree_bake_free(&desc, bytes, size);
-  if (exit_status == 0 && given.report != NULL && !write_report(given.report, &recipe, &report, desc.jobs.worker_count, &error))
+  if (!write_file(given.output, pack.bytes, pack.size, &error)) exit_status = fail_with_file(1, &error);
+  scree_bake_free(&(scree_bake_desc){0}, pack.bytes, pack.size); /* both kinds come from the default allocator */
+  if (exit_status == 0 && given.report != NULL && !write_report(given.report, &pack, &error))
     exit_status = fail_with_file(1, &error);
+  const scree_bake_report* report = &pack.report;
   if (exit_status == 0 && terminal)
-    fprintf(stderr, "%s: %u rocks, %llu triangles, %.1f MB, digest %016llx, %.1f s\n", given.output, report.rocks,
-            (unsigned long long)report.triangles, (double)report.bytes * 1e-6, (unsigned long long)report.digest, report.seconds);
+    fprintf(stderr, "%s: %u %s, %llu triangles, %.1f MB, digest %016llx, %.1f s\n", given.output, report->rocks, pack.pieces,
+            (unsigned long long)report->triangles, (double)report->bytes * 1e-6, (unsigned long long)report->digest,
+            report->seconds);
   return exit_status;
 }

@@ -38,7 +38,7 @@ def walk(part):
 
 schema = json.load(open(schema_path, encoding="utf-8"))
 table = json.loads(subprocess.run([print_keys], check=True, capture_output=True, text=True).stdout)
-properties = {name: part for name, part in schema["properties"].items() if name != "$schema"}
+properties = {name: part for name, part in schema["properties"].items() if name not in ("$schema", "kind")}
 expect(schema.get("additionalProperties") is False, "the schema allows unknown keys")
 names = [key["name"] for key in table["keys"]]
 expect(sorted(names) == sorted(properties), f"keys differ: {sorted(set(names) ^ set(properties))}")
@@ -99,6 +99,8 @@ expect(len(shipped) >= 5, f"only {len(shipped)} recipes ship")
 for name in shipped:
     with open(os.path.join(recipes, name), encoding="utf-8") as file:
         text = file.read()
+    if json.loads(text).get("kind") == "hoodoo":
+        continue  # see check_hoodoo_schema.py
     for error in validator.iter_errors(json.loads(text)):
         expect(False, f"{name}: {error.json_path}: {error.message}")
     expect(accepted_by_baker(text), f"{name}: refused by scree-bake")

@@ -23,7 +23,9 @@ cd "$WORK"
 for recipe in "$ROOT"/content/recipes/*.json; do
   name=$(basename "$recipe" .json)
   grep -qs "\"pack\": \"$name\"" "$ROOT"/content/scenes/*.json || continue
-  "$BIN/scree-bake" "$recipe" --set n=4 --set voxels_per_cell=6 --set lod_levels=2 --set proxies=false -q -o "packs/$name.scree"
+  small=(--set n=4 --set voxels_per_cell=6 --set lod_levels=2 --set proxies=false)
+  grep -q '"kind": "hoodoo"' "$recipe" && small=(--set variants=1 --set lod_levels=2)
+  "$BIN/scree-bake" "$recipe" "${small[@]}" -q -o "packs/$name.scree"
 done
 
 # Meshes are read from the installed package; where one is missing, an octahedron stands in for it.

@@ -10,6 +10,12 @@
 extern "C" {
 #endif
 
+typedef enum scree_recipe_kind { SCREE_RECIPE_ROCKS = 0, SCREE_RECIPE_HOODOO = 1 } scree_recipe_kind;
+
+/* Which kind a recipe is of: its key "kind" says "rocks" or "hoodoo"; without it, rocks. Hoodoos are in scree/hoodoo.h.
+ * Returns SCREE_OK or SYNTAX; error: may be NULL. */
+SCREE_API scree_result scree_recipe_get_kind(const char* text, size_t size, scree_recipe_kind* out, scree_error* error);
+
 typedef struct scree_range {
   double min, max; /* uniform in [min, max]; min == max is a fixed value */
 } scree_range;
@@ -81,7 +87,7 @@ typedef struct scree_bake_stage {
 } scree_bake_stage;
 
 typedef struct scree_bake_report {
-  uint32_t rocks;
+  uint32_t rocks;     /* or models */
   uint64_t triangles; /* all levels of detail */
   uint64_t lod_triangles[8];
   uint32_t proxies;

@@ -13,8 +13,8 @@ typedef struct scree_pack scree_pack;
 
 /* A vertex of a mesh, 16 bytes, ready for a vertex buffer. */
 typedef struct scree_vertex {
-  int16_t position[3]; /* lattice steps relative to the home cell's centre, of a model to the middle of its foot on the ground;
-                          times cell_size / lattice_per_cell = metres */
+  int16_t position[3]; /* lattice steps relative to the home cell's centre, of a model to the middle of its ground; times cell_size
+                          / lattice_per_cell = metres */
   uint8_t occlusion;   /* ambient visibility, 255 = open sky, 0 = wholly hidden; linear */
   uint8_t material;    /* low 4 bits: 0 = rock, 1 = colluvium; high 4 bits: the bed, 0..15, see scree_surface_vertex.layer */
   int16_t normal[3];   /* unit normal, signed normalised: value / 32767 */
@@ -162,8 +162,9 @@ SCREE_API scree_result scree_pack_cell_assets(const scree_pack* pack, uint32_t c
 
 /* --- models ----------------------------------------------------------------------------------------------------------------- */
 
-/* What models have beside a scree_asset. Metres at scale 1; the origin is the middle of the foot, at the height of the ground, so y
- * is the height above the ground, and meshes may reach below it. */
+/* What models have beside a scree_asset. Metres at scale 1; the origin is the middle of the ground that the model was made on, the
+ * same for all ages of a variant, so that one can take the place of another; y is the height above the ground, and meshes may reach
+ * below it. */
 typedef struct scree_model {
   uint32_t variant;    /* 0..variant_count - 1 */
   uint32_t age;        /* 0 = youngest */

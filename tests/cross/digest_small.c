@@ -1,7 +1,7 @@
 /* Prints the digests that must be the same on every compiler, optimisation level and CPU, one `name value` a line. Only our own C
  * is linked, so that it cross-compiles with nothing but a compiler; content/golden/small.txt holds what it must print. */
 #include <inttypes.h>
-#include <scree/bake.h>
+#include <scree/hoodoo.h>
 #include <stdio.h>
 
 #include "digest_edits.h"
@@ -45,15 +45,44 @@ static scree_result digest_pack(uint64_t* digest) {
   return result;
 }
 
+/* The recipe of content/golden/small_hoodoo.json: every part of weathering, on few voxels. */
+static scree_result digest_hoodoo(uint64_t* digest) {
+  static scree_hoodoo_recipe recipe;
+  scree_hoodoo_default(&recipe);
+  recipe.size[0] = recipe.size[2] = 44;
+  recipe.size[1] = 36;
+  recipe.start.radius = 13;
+  recipe.rules.bubbles[0] = (scree_bubble_segment){
+      .bubbles = {{SCREE_BUBBLE_SPHERE, 3, 4}, {SCREE_BUBBLE_GUMDROP, 4, 4}}, .bubble_count = 2, .noise_period = 16};
+  recipe.rules.cavernous = (scree_curve){SCREE_CURVE_SATURATING, 0.2, 0.05, 0.2, 2};
+  recipe.phases[0] = (scree_hoodoo_phase){.share = 0.7, .changes = SCREE_HOODOO_SPHEROIDAL | SCREE_HOODOO_ROCKFALL};
+  recipe.phases[0].rules.spheroidal = (scree_curve){SCREE_CURVE_QUARTIC, 1, 0, 1, 1};
+  recipe.phases[0].rules.rockfall = SCREE_ROCKFALL_DROP;
+  recipe.phase_count = 1;
+  recipe.variants = 2;
+  recipe.age_count = 2;
+  recipe.lod_levels = 3;
+  scree_bake_report report = {0};
+  uint8_t* bytes = NULL;
+  size_t size = 0;
+  const scree_hoodoo_desc desc = {.recipe = &recipe};
+  const scree_result result = scree_hoodoo_bake(&desc, &bytes, &size, &report, NULL);
+  scree_hoodoo_free(&desc, bytes, size);
+  *digest = report.digest;
+  return result;
+}
+
 int main(void) {
   printf("lattice %016" PRIx64 "\n", digest_lattice());
-  uint64_t pack;
-  const scree_result result = digest_pack(&pack);
+  uint64_t pack, hoodoo = 0;
+  scree_result result = digest_pack(&pack);
+  if (result == SCREE_OK) result = digest_hoodoo(&hoodoo);
   if (result != SCREE_OK) {
     fprintf(stderr, "digest_small: %s\n", scree_result_string(result));
     return 1;
   }
   printf("pack %016" PRIx64 "\n", pack);
+  printf("hoodoo %016" PRIx64 "\n", hoodoo);
   printf("queries %016" PRIx64 "\n", digest_queries());
   printf("edits %016" PRIx64 "\n", digest_edits());
   printf("convex %016" PRIx64 "\n", digest_convex());

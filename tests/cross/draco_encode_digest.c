@@ -18,7 +18,12 @@ scree_result draco_encode(const lattice_mesh* mesh, const scree_allocator* given
   out->vertex_count = mesh->vertex_count;
   out->triangle_count = mesh->triangle_count;
   for (uint32_t i = 0; i < mesh->vertex_count; ++i) values[i] = occlusion_value(occlusion_level(mesh->occlusion[i]));
-  out->digest = scree_rt_mesh_digest(mesh->positions, sizeof *mesh->positions, values, 1, mesh->indices, mesh->triangle_count);
+  const size_t stride = sizeof *mesh->positions;
+  if (mesh->surface != NULL)
+    out->digest = scree_rt_model_digest(mesh->positions, stride, values, (const uint8_t(*)[4])mesh->surface, mesh->indices,
+                                        mesh->triangle_count);
+  else
+    out->digest = scree_rt_mesh_digest(mesh->positions, stride, values, 1, mesh->indices, mesh->triangle_count);
   scree_rt_release(&allocator, values, mesh->vertex_count, 1);
   return SCREE_OK;
 }

@@ -1,0 +1,37 @@
+/* What all kinds of recipes share: the words of errors, JSON in, JSON out. */
+#ifndef SCREE_RECIPE_TEXT_H
+#define SCREE_RECIPE_TEXT_H
+
+#include <cjson/cJSON.h>
+#include <scree/base.h>
+
+/* One line, printable. error: may be NULL. */
+#if defined(__GNUC__)
+__attribute__((format(printf, 2, 3)))
+#endif
+void recipe_say(scree_error* error, const char* format, ...);
+
+/* A value of the file as a short piece of text, for errors. */
+void recipe_describe(const cJSON* value, char* text, size_t capacity);
+
+/* The object that a recipe is, to be freed with cJSON_Delete, or NULL with what is wrong in `error`; repeated keys are wrong. */
+cJSON* recipe_root(const char* text, size_t size, scree_error* error);
+
+/* The value of a --set: JSON, or else a text without quotes. NULL when memory is short. */
+cJSON* recipe_set_value(const char* text);
+
+/* Appends like snprintf, counting what does not fit. */
+typedef struct recipe_writer {
+  char* text;
+  size_t capacity, size;
+} recipe_writer;
+
+#if defined(__GNUC__)
+__attribute__((format(printf, 2, 3)))
+#endif
+void recipe_put(recipe_writer* out, const char* format, ...);
+/* The shortest decimal that reads back as the same number. */
+void recipe_put_number(recipe_writer* out, double number);
+void recipe_put_text(recipe_writer* out, const char* text);
+
+#endif
