@@ -10,7 +10,6 @@
 /* after the four above */
 #include <cmocka.h>
 
-#include "failing_allocator.h"
 #include "random_weather.h"
 #include "weather_kernels.h"
 
