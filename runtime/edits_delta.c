@@ -7,8 +7,8 @@
 #include "edits_internal.h"
 #include "field_tables.h"
 #include "pack_format.h"
-
-#include <scree/scene.h>
+#include "scatter_internal.h"
+#include "scene_internal.h"
 
 enum { VERSION = 1, HEADER_SIZE = 24, LAYER_SIZE = 64, EDIT_SIZE = 16, DIGEST_SIZE = 8, MAX_LAYERS = 65536 };
 
@@ -20,14 +20,17 @@ typedef struct fingerprint {
   double cell_size, origin[3];
 } fingerprint;
 
-static fingerprint fingerprint_of(const scree_field* field) {
+static fingerprint fingerprint_of(const scree_layer* layer) {
+  const scree_field* field = layer->field;
+  const scree_pack* pack = layer->scatter != NULL ? layer->scatter->pack : field->pack;
+  const double* origin = layer->scatter != NULL ? layer->scatter->origin : field->origin;
   fingerprint f = {0, field->seed, field->cell_size, {0, 0, 0}};
-  if (field->pack != NULL) {
+  if (pack != NULL) {
     scree_pack_info info;
-    scree_pack_get_info(field->pack, &info);
+    scree_pack_get_info(pack, &info);
     f.pack_digest = info.digest;
   }
-  for (int a = 0; a < 3; ++a) f.origin[a] = field->origin[a] + 0.0; /* so that -0 is 0 */
+  for (int a = 0; a < 3; ++a) f.origin[a] = origin[a] + 0.0; /* so that -0 is 0 */
   return f;
 }
 
@@ -76,8 +79,8 @@ static size_t layer_end(const scree_edits* edits, size_t first) {
   return end;
 }
 
-static uint8_t* put_layer(uint8_t* to, const scree_field* field, uint16_t key, size_t count) {
-  const fingerprint f = fingerprint_of(field);
+static uint8_t* put_layer(uint8_t* to, const scree_layer* layer, uint16_t key, size_t count) {
+  const fingerprint f = fingerprint_of(layer);
   to = put(to, key, 2);
   to = put(to, 0, 6);
   to = put(to, count, 8);
@@ -113,7 +116,7 @@ scree_result scree_edits_save(const scree_edits* edits, const struct scree_scene
   for (size_t first = 0; first < edits->count;) {
     const uint16_t key = edits->entries[first].id.layer;
     const size_t end = layer_end(edits, first);
-    to = put_layer(to, scree_scene_layer(scene, scree_scene_layer_of(scene, key))->field, key, end - first);
+    to = put_layer(to, scree_rt_scene_layer(scene, scree_scene_layer_of(scene, key)), key, end - first);
     first = end;
   }
   for (size_t i = 0; i < edits->count; ++i) to = put_edit(to, &edits->entries[i]);
@@ -186,9 +189,12 @@ static bool is_sound(const delta* d) {
   return at == d->edit_count;
 }
 
-static bool has_rock(const scree_field* field, const scree_id* id) {
+static bool has_rock(const scree_layer* layer, const scree_id* id) {
+  const scree_field* field = layer->field;
   for (int a = 0; a < 3; ++a)
     if (id->cube[a] == INT32_MAX) return false; /* the corner behind it has no number */
+  int64_t steps[2];
+  if (layer->scatter != NULL) return scree_rt_scatter_steps(layer->scatter, id->cube[0], id->cube[2], id->local, steps);
   const uint32_t code = cube_code(field->seed, id->cube[0], id->cube[1], id->cube[2]);
   return scree_rt_field_slot(field, code, id->local) != UINT32_MAX;
 }
@@ -206,8 +212,8 @@ static scree_edits_report judge(const delta* d, const scree_scene* scene, edits_
       at = end;
       continue;
     }
-    const scree_field* field = scree_scene_layer(scene, index)->field;
-    const fingerprint now = fingerprint_of(field);
+    const scree_layer* own = scree_rt_scene_layer(scene, index);
+    const fingerprint now = fingerprint_of(own);
     if (!same(&now, &layer.print)) {
       report.stale += layer.count;
       at = end;
@@ -215,7 +221,7 @@ static scree_edits_report judge(const delta* d, const scree_scene* scene, edits_
     }
     for (; at < end; ++at) {
       const edits_entry entry = read_edit(d, at, layer.key);
-      if (!has_rock(field, &entry.id)) {
+      if (!has_rock(own, &entry.id)) {
         ++report.unknown_rock;
       } else {
         if (out != NULL) *out++ = entry;

@@ -350,6 +350,68 @@ static void rocks_make_room_for_models_and_later_models_for_rocks(void** state) 
   scree_support_destroy(rocks_in);
 }
 
+static void edits_of_scatters_are_saved_and_apply_to_the_same_instances_only(void** state) {
+  (void)state;
+  random_stream r = {21};
+  world w;
+  scree_scratch* scratch = make_scratch();
+  make_scatter_world(&w, &r, 3);
+  edit_some(&w, &r, scratch);
+  uint32_t k = 0;
+  while (w.scatters[k] == NULL) ++k;
+  size_t size;
+  assert_int_equal(scree_edits_save(w.edits, w.scene, NULL, 0, &size), SCREE_ERROR_CAPACITY);
+  uint8_t* bytes = malloc(size);
+  assert_non_null(bytes);
+  assert_int_equal(scree_edits_save(w.edits, w.scene, bytes, size, &size), SCREE_OK);
+  uint64_t of_scatter = 0;
+  const uint16_t key = scree_scene_layer(w.scene, k)->key;
+  for (uint32_t i = 0; i < w.edit_count; ++i) of_scatter += w.edit_list[i].id.layer == key;
+  assert_true(of_scatter > 3);
+  scree_scatter_desc other = w.scatters[k]->desc;
+  for (int change = 0; change < 3; ++change) {
+    other = w.scatters[k]->desc;
+    if (change == 1) ++other.seed;
+    if (change == 2) other.spacing *= 2;
+    scree_scatter* scatter;
+    assert_int_equal(scree_scatter_create(&other, NULL, &scatter, NULL), SCREE_OK);
+    scree_layer layers[3];
+    memcpy(layers, w.layers, sizeof layers);
+    layers[k].scatter = scatter;
+    scree_scene* scene;
+    assert_int_equal(scree_scene_create(&(scree_scene_desc){layers, 3}, NULL, &scene, NULL), SCREE_OK);
+    scree_edits* loaded;
+    assert_int_equal(scree_edits_create(NULL, &loaded), SCREE_OK);
+    scree_edits_report report;
+    assert_int_equal(scree_edits_load(loaded, scene, bytes, size, &report), SCREE_OK);
+    assert_int_equal(report.stale, change == 0 ? 0 : of_scatter);
+    assert_int_equal(report.applied, w.edit_count - report.stale);
+    for (uint32_t i = 0; i < w.edit_count; ++i)
+      if (change == 0 || w.edit_list[i].id.layer != key)
+        assert_int_equal(scree_edits_get(loaded, &w.edit_list[i].id), w.edit_list[i].edit);
+    scree_edits_destroy(loaded);
+    scree_scene_destroy(scene);
+    scree_scatter_destroy(scatter);
+  }
+  /* A point that no tile has. */
+  const scree_id nothing = {{1, 0, 1}, 1000, key};
+  assert_int_equal(scree_edits_set(w.edits, &nothing, SCREE_EDIT_HIDE), SCREE_OK);
+  free(bytes);
+  assert_int_equal(scree_edits_save(w.edits, w.scene, NULL, 0, &size), SCREE_ERROR_CAPACITY);
+  bytes = malloc(size);
+  assert_non_null(bytes);
+  assert_int_equal(scree_edits_save(w.edits, w.scene, bytes, size, &size), SCREE_OK);
+  scree_edits* loaded;
+  assert_int_equal(scree_edits_create(NULL, &loaded), SCREE_OK);
+  scree_edits_report report;
+  assert_int_equal(scree_edits_load(loaded, w.scene, bytes, size, &report), SCREE_OK);
+  assert_int_equal(report.unknown_rock, 1);
+  scree_edits_destroy(loaded);
+  free(bytes);
+  scree_scratch_destroy(scratch);
+  destroy_world(&w);
+}
+
 static void wrong_layers_of_scatters_are_refused_with_the_reason(void** state) {
   (void)state;
   random_stream r = {9};
@@ -423,6 +485,7 @@ int main(void) {
       cmocka_unit_test(rays_hit_the_nearest_part_of_all),
       cmocka_unit_test(shapes_and_points_meet_the_parts_that_all_of_them_do),
       cmocka_unit_test(rocks_make_room_for_models_and_later_models_for_rocks),
+      cmocka_unit_test(edits_of_scatters_are_saved_and_apply_to_the_same_instances_only),
       cmocka_unit_test(wrong_layers_of_scatters_are_refused_with_the_reason),
       cmocka_unit_test(each_allocation_of_a_question_may_fail),
   };
