@@ -4,6 +4,7 @@
 #define BENCH_PROGRAM "scree-bench-weather"
 #define _POSIX_C_SOURCE 200809L
 #include "bench.h"
+#include "bench_hoodoo.h"
 
 #include <scree/weather.h>
 #include <string.h>
@@ -185,5 +186,7 @@ int main(int count, char** arguments) {
   bench_cycles("hoodoo.column_r3", &column, 3, 8, 22000, 25000, 24);
   bench_cycles("hoodoo.column_r7", &column, 7, 8, 22000, 25000, 24);
   bench_dissolve();
+  if (wanted("hoodoo.goblin_seconds")) bench_goblin();
+  if (wanted("hoodoo.steer")) bench_steer();
   return 0;
 }

@@ -6,6 +6,7 @@
 
 #include "digest_edits.h"
 #include "digest_queries.h"
+#include "digest_surface.h"
 #include "lattice.h"
 
 /* Every cell of every tile, and the colours of a block of corners round the origin and at the ends of the int32 lattice. */
@@ -87,5 +88,6 @@ int main(void) {
   printf("edits %016" PRIx64 "\n", digest_edits());
   printf("convex %016" PRIx64 "\n", digest_convex());
   printf("spatial %016" PRIx64 "\n", digest_spatial());
+  printf("surface %016" PRIx64 "\n", digest_surface());
   return 0;
 }
