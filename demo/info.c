@@ -190,7 +190,7 @@ static scree_result print_report(const options* o, const scree_pack* pack, const
   if (o->json) {
     info_write_json(report, pack, &text);
   } else {
-    info_write_text(report, o->pack, &text);
+    info_write_text(report, pack, o->pack, &text);
     buffer_format(&text, "\nall digests are right: %u sections, the pack, %u meshes\n", report->section_count,
                   (report->pack.asset_count + report->pack.proxy_count) * report->pack.lod_count);
   }

@@ -11,6 +11,8 @@ static void widen(info_range* range, double value) {
   range->sum += value;
 }
 
+enum { MODELS_SHOWN = 100 };
+
 static const info_range nothing = {INFINITY, -INFINITY, 0};
 
 static scree_result add_level(const scree_pack* pack, uint32_t asset, uint32_t lod, info_lod* sum, float* errors) {
@@ -108,32 +110,68 @@ static void text_levels(text_buffer* out, const char* of, const info_lod* levels
   }
 }
 
-void info_write_text(const info_report* report, const char* path, text_buffer* out) {
+static void text_recipe(const scree_pack_info* pack, text_buffer* out) {
+  buffer_add(out, "\nrecipe\n");
+  buffer_add(out, pack->recipe);
+  if (pack->recipe_size == 0 || pack->recipe[pack->recipe_size - 1] != '\n') buffer_add(out, "\n");
+}
+
+static void text_models(const info_report* report, const scree_pack* pack, text_buffer* out) {
+  buffer_add(out, "\nmodels\n  variant  age  share left   steps  height, m  footprint, m  parts  triangles     bytes\n");
+  const uint32_t shown = report->pack.asset_count < MODELS_SHOWN ? report->pack.asset_count : MODELS_SHOWN;
+  for (uint32_t i = 0; i < shown; ++i) {
+    scree_model model;
+    scree_lod level;
+    if (scree_pack_get_model(pack, i, &model) != SCREE_OK || scree_pack_get_lod(pack, i, 0, &level) != SCREE_OK) return;
+    uint64_t bytes = level.blob_size;
+    const uint32_t triangles = level.triangles;
+    for (uint32_t lod = 1; lod < report->pack.lod_count && scree_pack_get_lod(pack, i, lod, &level) == SCREE_OK; ++lod)
+      bytes += level.blob_size;
+    buffer_format(out, "  %7u  %3u  %8.1f %%  %6u  %9.2f  %12.2f  %5u  %9u  %8llu\n", model.variant, model.age,
+                  100 * (double)model.share, model.steps, (double)model.height, (double)model.footprint, model.part_count,
+                  triangles, (unsigned long long)bytes);
+  }
+  if (shown < report->pack.asset_count) buffer_format(out, "  and %u more\n", report->pack.asset_count - shown);
+}
+
+void info_write_text(const info_report* report, const scree_pack* open, const char* path, text_buffer* out) {
   const scree_pack_info* pack = &report->pack;
   buffer_add(out, path);
   buffer_format(out, ": scree pack, format %u, %.2f MB, digest %016llx\n", pack->format_version, 1e-6 * (double)pack->file_size,
                 (unsigned long long)pack->digest);
-  buffer_format(out, "  %u rocks in %u unique cells, at most %u a cell; a cube has %u x %u x %u cells (n = %u)\n",
-                pack->asset_count, pack->cell_count, pack->max_rocks_per_cell, pack->cells_per_cube, pack->cells_per_cube,
-                pack->cells_per_cube, pack->cells_per_cube + 1);
-  buffer_format(out, "  %u lattice steps a cell; %u proxies", pack->lattice_per_cell, pack->proxy_count);
-  if (pack->proxy_count > 0) buffer_format(out, " of %u steps a cell", pack->proxy_per_cell);
+  const bool models = pack->kind == SCREE_PACK_MODELS;
+  if (models) {
+    buffer_format(out, "  %u models: %u variants, each in up to %u ages\n", pack->asset_count, pack->variant_count,
+                  pack->max_rocks_per_cell);
+    buffer_format(out, "  a cell is a metre: %u lattice steps", pack->lattice_per_cell);
+  } else {
+    buffer_format(out, "  %u rocks in %u unique cells, at most %u a cell; a cube has %u x %u x %u cells (n = %u)\n",
+                  pack->asset_count, pack->cell_count, pack->max_rocks_per_cell, pack->cells_per_cube, pack->cells_per_cube,
+                  pack->cells_per_cube, pack->cells_per_cube + 1);
+    buffer_format(out, "  %u lattice steps a cell; %u proxies", pack->lattice_per_cell, pack->proxy_count);
+    if (pack->proxy_count > 0) buffer_format(out, " of %u steps a cell", pack->proxy_per_cell);
+  }
   buffer_add(out, "\n\nsections\n");
   for (uint32_t i = 0; i < report->section_count; ++i) {
     const scree_pack_section* section = &report->sections[i];
     buffer_format(out, "  %-12s %12llu bytes  %5.1f %%  digest %016llx\n", section->name, (unsigned long long)section->size,
                   100.0 * (double)section->size / (double)pack->file_size, (unsigned long long)section->digest);
   }
-  text_levels(out, "rocks", report->lods, pack->lod_count);
+  if (models) text_models(report, open, out);
+  text_levels(out, models ? "models" : "rocks", report->lods, pack->lod_count);
   if (pack->proxy_count > 0) {
     text_levels(out, "proxies of whole tiles", report->whole, pack->lod_count);
     text_levels(out, "proxies of the eighths of tiles", report->parts, pack->lod_count);
   }
-  buffer_add(out, "\nrocks                     mean  (least .. greatest)\n");
+  buffer_format(out, "\n%-6s                    mean  (least .. greatest)\n", models ? "models" : "rocks");
   text_range(out, "volume", &report->volume, pack->asset_count, "cubic cells");
   text_range(out, "inner radius", &report->inner_radius, pack->asset_count, "cells");
   text_range(out, "outer radius", &report->outer_radius, pack->asset_count, "cells");
   text_range(out, "hull vertices", &report->hull_vertices, pack->asset_count, "");
+  if (models) {
+    text_recipe(pack, out);
+    return;
+  }
   text_range(out, "contacts", &report->contacts, pack->asset_count, "");
   buffer_add(out, "\ncontacts of a rock and how many rocks have so many\n ");
   for (uint32_t i = 0; i < INFO_CONTACT_BINS; ++i)
@@ -142,9 +180,8 @@ void info_write_text(const info_report* report, const char* path, text_buffer* o
   buffer_add(out, "\n\nburial: cells around a rock that must be full for nobody to see it, and how many rocks are buried so\n ");
   for (uint32_t b = 1; b < SCREE_BURIAL_NEVER; ++b) buffer_format(out, " %u:%u", b, report->rocks_with_burial[b]);
   buffer_format(out, " never:%u", report->rocks_with_burial[SCREE_BURIAL_NEVER]);
-  buffer_add(out, "\n\nrecipe\n");
-  buffer_add(out, pack->recipe);
-  if (pack->recipe_size == 0 || pack->recipe[pack->recipe_size - 1] != '\n') buffer_add(out, "\n");
+  buffer_add(out, "\n");
+  text_recipe(pack, out);
 }
 
 static void json_floats(text_buffer* out, const char* name, const float* values, uint32_t count) {
@@ -164,6 +201,34 @@ static void json_range(text_buffer* out, const char* name, const info_range* ran
   buffer_add(out, ", \"greatest\": ");
   buffer_number(out, range->greatest);
   buffer_add(out, "}");
+}
+
+static void json_part(const scree_pack* pack, uint32_t asset, uint32_t part, text_buffer* out) {
+  int16_t hull[256][3];
+  uint32_t count;
+  if (scree_pack_get_part(pack, asset, part, hull[0], 256, &count) != SCREE_OK) count = 0;
+  buffer_add(out, part > 0 ? ", [" : "[");
+  for (uint32_t i = 0; i < count; ++i) buffer_format(out, "%s[%d, %d, %d]", i > 0 ? ", " : "", hull[i][0], hull[i][1], hull[i][2]);
+  buffer_add(out, "]");
+}
+
+/* Its parts whole, where they are asked for, or their number. */
+static void json_model(const scree_pack* pack, uint32_t asset, bool whole, text_buffer* out) {
+  scree_model model;
+  if (scree_pack_get_model(pack, asset, &model) != SCREE_OK) return;
+  buffer_format(out, "{\"variant\": %u, \"age\": %u, \"steps\": %u, \"footprint\": ", model.variant, model.age, model.steps);
+  buffer_float(out, model.footprint);
+  buffer_add(out, ", \"height\": ");
+  buffer_float(out, model.height);
+  buffer_add(out, ", \"share\": ");
+  buffer_float(out, model.share);
+  if (whole) {
+    buffer_add(out, ", \"parts\": [");
+    for (uint32_t part = 0; part < model.part_count; ++part) json_part(pack, asset, part, out);
+    buffer_add(out, "]}");
+  } else {
+    buffer_format(out, ", \"parts\": %u}", model.part_count);
+  }
 }
 
 static void json_example(const scree_pack* pack, uint32_t lod_count, uint32_t asset, text_buffer* out) {
@@ -196,7 +261,13 @@ static void json_example(const scree_pack* pack, uint32_t lod_count, uint32_t as
   if (scree_pack_get_hull(pack, asset, hull[0], 256, &count) != SCREE_OK) count = 0;
   for (uint32_t i = 0; i < count; ++i) buffer_format(out, "%s[%d, %d, %d]", i > 0 ? ", " : "", hull[i][0], hull[i][1], hull[i][2]);
 
-  buffer_add(out, "],\n     \"lods\": [");
+  buffer_add(out, "]");
+  scree_model model;
+  if (scree_pack_get_model(pack, asset, &model) == SCREE_OK) {
+    buffer_add(out, ",\n     \"model\": ");
+    json_model(pack, asset, true, out);
+  }
+  buffer_add(out, ",\n     \"lods\": [");
   for (uint32_t lod = 0; lod < lod_count; ++lod) {
     scree_lod level;
     if (scree_pack_get_lod(pack, asset, lod, &level) != SCREE_OK) break;
@@ -240,6 +311,7 @@ void info_write_json(const info_report* report, const scree_pack* pack, text_buf
   const scree_pack_info* info = &report->pack;
   buffer_format(out, "{\n  \"format_version\": %u,\n  \"file_size\": %llu,\n  \"digest\": \"%016llx\",\n", info->format_version,
                 (unsigned long long)info->file_size, (unsigned long long)info->digest);
+  buffer_format(out, "  \"kind\": \"%s\",\n", info->kind == SCREE_PACK_MODELS ? "models" : "tiles");
   buffer_format(out, "  \"cells_per_cube\": %u,\n  \"lattice_per_cell\": %u,\n  \"lod_count\": %u,\n", info->cells_per_cube,
                 info->lattice_per_cell, info->lod_count);
   buffer_format(out, "  \"proxy_count\": %u,\n  \"proxy_per_cell\": %u,\n", info->proxy_count, info->proxy_per_cell);
@@ -271,6 +343,14 @@ void info_write_json(const info_report* report, const scree_pack* pack, text_buf
   json_range(out, "inner_radius", &report->inner_radius, info->asset_count);
   json_range(out, "outer_radius", &report->outer_radius, info->asset_count);
   json_range(out, "hull_vertices", &report->hull_vertices, info->asset_count);
+  if (info->kind == SCREE_PACK_MODELS) {
+    buffer_format(out, ",\n  \"variants\": %u,\n  \"models\": [", info->variant_count);
+    for (uint32_t i = 0; i < info->asset_count; ++i) {
+      buffer_add(out, i > 0 ? ",\n    " : "\n    ");
+      json_model(pack, i, false, out);
+    }
+    buffer_add(out, "\n  ]");
+  }
   buffer_add(out, ",\n  \"examples\": [\n");
   const uint32_t last = info->asset_count - 1, examples[3] = {0, info->asset_count / 2, last};
   for (uint32_t i = 0; i < 3; ++i) {

@@ -37,7 +37,7 @@ typedef struct info_report {
  * asset at fault. */
 scree_result info_gather(const scree_pack* pack, info_report* out, uint32_t* asset);
 
-void info_write_text(const info_report* report, const char* path, text_buffer* out);
+void info_write_text(const info_report* report, const scree_pack* pack, const char* path, text_buffer* out);
 
 /* One JSON object. Numbers read back as the same float; digests are 16 hexadecimal digits. Three assets are shown whole, so that
  * another reader can be held against this one. */

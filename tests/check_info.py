@@ -57,6 +57,18 @@ if reader.returncode == 77:
     sys.exit(77)
 expect(reader.returncode == 0, f"the second reader: {reader.stdout}")
 
+# Models, too.
+models = os.path.join(WORK, "hoodoo.scree")
+subprocess.run([BAKE, os.path.join(os.path.dirname(RECIPE), "small_hoodoo.json"), "-o", models, "--quiet"], check=True)
+result = info(models)
+expect(result.returncode == 0 and result.stderr == "", f"models: {result.returncode} {result.stderr!r}")
+expect("4 models: 2 variants" in result.stdout and "footprint" in result.stdout, "models: variants and footprints are not shown")
+reader = subprocess.run(["/usr/bin/python3", READER, models, "--info", INFO], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+expect(reader.returncode == 0, f"the second reader of models: {reader.stdout}")
+result = info(models, "--glb", os.path.join(WORK, "models.glb"), "--assets", "0-3", "--lod", "1")
+expect(result.returncode == 0, f"--glb of models: {result.stderr!r}")
+os.remove(os.path.join(WORK, "models.glb"))
+
 # Bad packs. The blobs are the last section, so the end of the file is in a mesh.
 expect_refused("a missing file", "nowhere.scree", os.path.join(WORK, "nowhere.scree"))
 expect_refused("a folder", WORK, WORK)

@@ -235,6 +235,19 @@ class Pack:
         begin, end = size * asset["first_hull"], size * (asset["first_hull"] + asset["hull_count"])
         return list(struct.iter_unpack("<3h" if size == 6 else "<3b", self.sections[HULLS][begin:end]))
 
+    def model_of(self, number, whole=False):
+        footprint, height, share, steps, first, count = self.model_records[number]
+        size = self.element_size[HULLS]
+        parts = [
+            list(struct.iter_unpack("<3h" if size == 6 else "<3b", self.sections[HULLS][size * begin : size * end]))
+            for begin, end in zip(self.part_first[first : first + count], self.part_first[first + 1 : first + count + 1])
+        ]
+        asset = self.assets[number]
+        return {
+            "variant": asset["cell"], "age": asset["seed"], "steps": steps, "footprint": footprint, "height": height, "share": share,
+            "parts": parts if whole else count
+        }
+
 
 def same(name, mine, theirs):
     """Numbers of scree-info are printed so that they read back as the same float."""
@@ -242,6 +255,10 @@ def same(name, mine, theirs):
         check(len(mine) == len(theirs), f"{name}: {len(mine)} values here, {len(theirs)} in scree-info")
         for i, (a, b) in enumerate(zip(mine, theirs)):
             same(f"{name}[{i}]", a, b)
+    elif isinstance(mine, dict):
+        check(mine.keys() == theirs.keys(), f"{name}: {sorted(mine)} here, {sorted(theirs)} in scree-info")
+        for key in mine:
+            same(f"{name}.{key}", mine[key], theirs[key])
     elif isinstance(mine, float):
         check(mine == struct.unpack("<f", struct.pack("<f", theirs))[0], f"{name}: {mine} here, {theirs} in scree-info")
     else:
@@ -262,6 +279,12 @@ def compare(pack, info):
     for name in "format_version file_size cells_per_cube lattice_per_cell lod_count max_rocks_per_cell max_radius proxy_per_cell".split():
         same(name, getattr(pack, name), info[name])
     same("digest", f"{pack.digest:016x}", info["digest"])
+    same("kind", "models" if pack.models else "tiles", info["kind"])
+    if pack.models:
+        same("variants", pack.cell_count, info["variants"])
+        same("models", pack.asset_count, len(info["models"]))
+        for number, model in enumerate(info["models"]):
+            same(f"models[{number}]", pack.model_of(number), {**model})
     same("cells", pack.cell_count, info["cells"])
     same("assets", pack.asset_count, info["assets"])
     same("recipe", json.dumps(pack.recipe, sort_keys=True), json.dumps(info["recipe"], sort_keys=True))
@@ -290,6 +313,8 @@ def compare(pack, info):
         contacts = [[*c[:3], c[3] % 3 - 1, c[3] // 3 % 3 - 1, c[3] // 9 - 1, c[4]] for c in pack.contacts_of(asset)]
         same(name + "contacts", contacts, example["contacts"])
         same(name + "hull", pack.hull_of(asset), example["hull"])
+        if pack.models:
+            same(name + "model", pack.model_of(number, whole=True), example["model"])
         for lod, level in enumerate(example["lods"]):
             digest, triangles, error = pack.lods[number * pack.lod_count + lod]
             _, size, vertices = pack.blob_index[number * pack.lod_count + lod]
