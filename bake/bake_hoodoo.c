@@ -209,7 +209,7 @@ static scree_result keep_model(const variant_run* run, uint32_t age, const scree
   if (result == SCREE_OK) result = copy_parts(bake, asset, model);
   for (uint32_t level = 0; level < bake->recipe.lod_levels && result == SCREE_OK; ++level) {
     lattice_mesh mesh = asset->lods[level].mesh;
-    mesh.error *= metres;
+    mesh.error = asset->lods[level].error_of_most * metres;
     const bool coarsest = level + 1 == bake->recipe.lod_levels;
     result = (coarsest ? plain_encode : draco_encode)(&mesh, &bake->allocator, &rock->lods[level]);
     rock->lods[level].error = mesh.error;

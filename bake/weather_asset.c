@@ -186,6 +186,7 @@ static scree_result repeat_lod(const weather_lod* from, const scree_allocator* a
   memcpy(out->mesh.surface, from->mesh.surface, from->mesh.vertex_count * sizeof *out->mesh.surface);
   memcpy(out->mesh.indices, from->mesh.indices, (size_t)from->mesh.triangle_count * 3 * sizeof *out->mesh.indices);
   out->mesh.error = from->mesh.error;
+  out->error_of_most = from->error_of_most;
   out->rock_triangles = from->rock_triangles;
   out->level = from->level;
   return SCREE_OK;
@@ -214,6 +215,8 @@ static scree_result make_level(scree_mesher* mesher, const frame* on, uint32_t l
   }
   error /= (float)on->steps;
   here->mesh.error = error > before->mesh.error ? error : before->mesh.error;
+  most /= (float)on->steps;
+  here->error_of_most = most > before->error_of_most ? most : before->error_of_most;
   return SCREE_OK;
 }
 

@@ -15,6 +15,8 @@ enum { WEATHER_MAX_VERTICES = 65536 }; /* of a level: what 16-bit indices reach 
 typedef struct weather_lod {
   lattice_mesh mesh;       /* with its surface; triangles of rock first, then those of colluvium; error in voxels; closed, manifold,
                               none flat */
+  float error_of_most;     /* voxels: what 95 of 100 vertices of the finest level do not pass. Crumbs that a level drops make the
+                              largest distance many times as much, and no view needs a finer level for their sake */
   uint32_t rock_triangles; /* of mesh.triangle_count */
   uint32_t level;          /* of scree_mesher_update that it was made from */
 } weather_lod;

@@ -98,9 +98,12 @@ static void a_pack_holds_variants_by_ages_as_the_recipe_says(void** state) {
       assert_true(asset.volume < volume && asset.volume > 0.2f);
       volume = asset.volume;
       /* Rock above the ground, and what stands on it within the footprint. */
+      float error = 0;
       for (uint32_t lod = 0; lod < 3; ++lod) {
         scree_lod level;
         assert_int_equal(scree_pack_get_lod(it.pack, index, lod, &level), SCREE_OK);
+        assert_true(level.error >= error && level.error <= 1.25f * 0.05f * (float)(1u << lod) && (level.error > 0) == (lod > 0));
+        error = level.error;
         scree_vertex* vertices = malloc(level.vertices * sizeof *vertices);
         uint32_t* indices = malloc(3 * (size_t)level.triangles * sizeof *indices);
         assert_int_equal(

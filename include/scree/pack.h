@@ -112,9 +112,9 @@ SCREE_API scree_result scree_pack_get_asset(const scree_pack* pack, uint32_t ass
 typedef struct scree_lod {
   uint32_t vertices;  /* as decoded */
   uint32_t triangles; /* >= 1; a level that would be too coarse for a rock repeats the one before it */
-  float error; /* of a rock or model: largest distance from a vertex of LOD 0 to this level's surface, cells; 0 for LOD 0; a loose
-                  piece that the level leaves out counts for no more than its size. Of a proxy: the distance to it that 95 of
-                  100 points of the outer surface of its rocks do not pass */
+  float error; /* of a rock: largest distance from a vertex of LOD 0 to this level's surface, cells; 0 for LOD 0. Of a model: what
+                  95 of 100 of these distances do not pass. Of a proxy: what 95 of 100 points of the outer surface of its rocks do
+                  not pass */
   uint64_t digest;     /* of the canonical mesh, see docs/pack_format.md */
   const uint8_t* blob; /* inside the pack: Draco bytes, or at the coarsest level a plain mesh */
   size_t blob_size;
