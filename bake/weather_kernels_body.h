@@ -31,6 +31,14 @@ static inline vfloat pick(const float table[8], vint index) {
 }
 
 /* GCC 12 does not find these by itself. */
+static inline vint least_int(vint a, vint b) {
+#ifdef __AVX2__
+  return (vint)_mm256_min_epi32((__m256i)a, (__m256i)b);
+#else
+  return v_select_int(a < b, a, b);
+#endif
+}
+
 static inline vint widen_counts(const uint16_t* from) {
 #ifdef __AVX2__
   return (vint)_mm256_cvtepu16_epi32(_mm_loadu_si128((const __m128i*)(const void*)from));
@@ -71,30 +79,42 @@ typedef struct row_context {
   const uint16_t* counts;
   uint32_t* stamps;
   const float *rates, *exposure;
-  vfloat graph, amplitude, colluvium;
-  vint firsts[4]; /* of the rates of each bubble of the layer */
+  float graph, amplitude, colluvium;
+  uint32_t firsts[4]; /* of the rates of each bubble of the layer */
+  int32_t last;       /* of all rates */
   bool mixed;
 } row_context;
 
-/* Eight voxels from x on: bits of those that are active, colluvium, and how many faces they show. Returns the bits of those that
- * died; *worn is set where a life changed. */
-static inline uint32_t wear(const row_context* row, uint32_t x, uint64_t active_bits, uint64_t colluvium, vint faces, vint first,
-                            bool* worn) {
-  const vint active = lanes_of(active_bits);
+/* Lives are ints, shares of them floats: the same operations, in the same order, for one voxel and for eight. Returns whether the
+ * voxel died; *worn grows where its life changed. */
+static inline bool wear_one(const row_context* row, uint32_t x, uint32_t faces, bool colluvium, uint32_t first, uint32_t* worn) {
+  const float rate = row->rates[first + row->counts[x]] * row->exposure[faces];
+  const float factor = 1 + row->amplitude * ((float)row->noise[x] * (1.0f / 127));
+  const float rock = row->graph * (factor > 1.0f / 16 ? factor : 1.0f / 16);
+  const float share = rate / (colluvium ? row->colluvium : rock);
+  const int32_t taken = (int32_t)(share < WEATHER_FULL ? share : WEATHER_FULL), life = row->life[x] - taken;
+  row->life[x] = life > 0 ? life : 0;
+  *worn |= (uint32_t)taken;
+  return life <= 0;
+}
+
+/* Eight voxels from x on. `faces` is 0 for those that are not active: nothing is taken from them. Returns the bits of those that
+ * have no life left, air among them. */
+static inline uint32_t wear_eight(const row_context* row, uint32_t x, vint faces, uint64_t colluvium, vint first, uint32_t* worn) {
   vint life;
   memcpy(&life, row->life + x, sizeof life);
   /* What is not active may lie in the margin, where counts mean nothing. */
-  const vint index = (widen_counts(row->counts + x) + first) & active;
+  const vint index = least_int(widen_counts(row->counts + x) + first, v_set_int(row->last));
   const vfloat rate = v_gather(row->rates, index) * pick(row->exposure, faces);
-  const vfloat factor = v_set(1) + row->amplitude * (widen_noise(row->noise + x) * v_set(1.0f / 127));
-  vfloat durability = row->graph * v_max(factor, v_set(1.0f / 16));
-  if ((colluvium & 255) != 0) durability = v_select(lanes_of(colluvium), row->colluvium, durability);
-  const vint taken = v_truncate(v_min(rate / durability, v_set(WEATHER_FULL))) & active;
+  const vfloat factor = v_set(1) + v_set(row->amplitude) * (widen_noise(row->noise + x) * v_set(1.0f / 127));
+  vfloat durability = v_set(row->graph) * v_max(factor, v_set(1.0f / 16));
+  if ((colluvium & 255) != 0) durability = v_select(lanes_of(colluvium), v_set(row->colluvium), durability);
+  const vint taken = v_truncate(v_min(rate / durability, v_set(WEATHER_FULL)));
   life -= taken;
-  const vint dead = (life <= v_set_int(0)) & active;
+  const vint dead = life < v_set_int(1);
   life &= ~dead;
   memcpy(row->life + x, &life, sizeof life);
-  *worn = v_bits(taken > v_set_int(0)) != 0;
+  *worn |= v_bits(taken > v_set_int(0));
   return v_bits(dead);
 }
 
@@ -116,46 +136,57 @@ static void bury_dead(scree_weather* w, uint32_t word, uint32_t y, uint32_t z, u
   }
 }
 
-/* The active voxels of one word. */
+/* Which bubble of a mixture. */
+static inline uint32_t bubble_of(const scree_weather* w, size_t at, uint32_t bit) {
+  return (uint32_t)(w->mixture[0][at] >> bit & 1) + 2 * (uint32_t)(w->mixture[1][at] >> bit & 1);
+}
+
+static inline vint firsts_of(const scree_weather* w, const row_context* row, size_t at, uint32_t from) {
+  const vint one = lanes_of(w->mixture[0][at] >> from), two = lanes_of(w->mixture[1][at] >> from);
+  const vint low = v_select_int(one, v_set_int((int32_t)row->firsts[1]), v_set_int((int32_t)row->firsts[0]));
+  return v_select_int(two, v_select_int(one, v_set_int((int32_t)row->firsts[3]), v_set_int((int32_t)row->firsts[2])), low);
+}
+
+/* The active voxels of one word, from x on. Many eights hold but one, where the surface is steep. */
 static inline uint64_t wear_word(const scree_weather* w, const row_context* row, size_t at, uint32_t x, uint64_t active,
                                  const uint64_t faces[3]) {
   const uint64_t colluvium = w->colluvium[at];
-  uint64_t dead = 0;
+  uint64_t dead = 0, left = active;
   do {
-    const uint32_t from = (uint32_t)__builtin_ctzll(active) & ~7u;
-    const vint shown = (lanes_of(faces[0] >> from) & 1) | (lanes_of(faces[1] >> from) & 2) | (lanes_of(faces[2] >> from) & 4);
-    vint first = row->firsts[0];
-    if (row->mixed) {
-      const vint one = lanes_of(w->mixture[0][at] >> from), two = lanes_of(w->mixture[1][at] >> from);
-      first =
-          v_select_int(two, v_select_int(one, row->firsts[3], row->firsts[2]), v_select_int(one, row->firsts[1], row->firsts[0]));
+    const uint32_t bit = (uint32_t)__builtin_ctzll(left), from = bit & ~7u;
+    uint32_t worn = 0;
+    if ((left >> from & 255 & ((left >> from) - 1)) == 0) {
+      const uint32_t shown =
+          (uint32_t)(faces[0] >> bit & 1) + 2 * (uint32_t)(faces[1] >> bit & 1) + 4 * (uint32_t)(faces[2] >> bit & 1);
+      const uint32_t first = row->firsts[row->mixed ? bubble_of(w, at, bit) : 0];
+      __builtin_prefetch(row->life + x + bit + (size_t)AHEAD * w->size[0], 1);
+      __builtin_prefetch(row->noise + x + bit + (size_t)AHEAD * w->size[0]);
+      __builtin_prefetch(row->counts + x + bit + AHEAD * w->count_row);
+      dead |= (uint64_t)wear_one(row, x + bit, shown, (colluvium >> bit & 1) != 0, first, &worn) << bit;
+    } else {
+      const vint shown = (lanes_of(faces[0] >> from) & 1) | (lanes_of(faces[1] >> from) & 2) | (lanes_of(faces[2] >> from) & 4);
+      const vint first = row->mixed ? firsts_of(w, row, at, from) : v_set_int((int32_t)row->firsts[0]);
+      dead |= (uint64_t)wear_eight(row, x + from, shown, colluvium >> from, first, &worn) << from;
     }
-    __builtin_prefetch(row->life + x + from + (size_t)AHEAD * w->size[0], 1);
-    __builtin_prefetch(row->noise + x + from + (size_t)AHEAD * w->size[0]);
-    __builtin_prefetch(row->counts + x + from + AHEAD * w->count_row);
-    bool worn;
-    dead |= (uint64_t)wear(row, x + from, active >> from, colluvium >> from, shown, first, &worn) << from;
-    if (worn) row->stamps[(x + from) / WEATHER_BRICK] = w->change;
-    active &= ~((uint64_t)255 << from);
-  } while (active != 0);
-  return dead;
+    if (worn != 0) row->stamps[(x + from) / WEATHER_BRICK] = w->change;
+    left &= ~((uint64_t)255 << from);
+  } while (left != 0);
+  return dead & active;
 }
 
-static inline row_context row_of(const scree_weather* w, uint32_t y, uint32_t z) {
+static inline void enter_row(const scree_weather* w, uint32_t y, uint32_t z, row_context* row) {
   const weather_tables* t = w->tables;
   const weather_layer* layer = &t->layers[y];
-  row_context row = {.life = w->life + weather_at(w, 0, y, z),
-                     .noise = w->noise + weather_at(w, 0, y, z),
-                     .counts = w->counts + w->count_row * y + w->count_plane * z,
-                     .stamps = w->stamps + weather_brick(w, 0, y, z),
-                     .rates = t->rates,
-                     .exposure = t->exposure,
-                     .graph = v_set(layer->graph),
-                     .amplitude = v_set(layer->amplitude),
-                     .colluvium = v_set(layer->colluvium),
-                     .mixed = layer->bubble_count > 1};
-  for (uint32_t k = 0; k < 4; ++k) row.firsts[k] = v_set_int((int32_t)t->bubbles[layer->bubbles[k]].rate_first);
-  return row;
+  row->life = w->life + weather_at(w, 0, y, z);
+  row->noise = w->noise + weather_at(w, 0, y, z);
+  row->counts = w->counts + w->count_row * y + w->count_plane * z;
+  row->stamps = w->stamps + weather_brick(w, 0, y, z);
+  row->graph = layer->graph;
+  row->amplitude = layer->amplitude;
+  row->colluvium = layer->colluvium;
+  row->mixed = layer->bubble_count > 1;
+  row->firsts[0] = t->bubbles[layer->bubbles[0]].rate_first;
+  for (uint32_t k = 1; k < layer->bubble_count; ++k) row->firsts[k] = t->bubbles[layer->bubbles[k]].rate_first;
 }
 
 /* Marks the voxels of a plane that touch air, in `scratch`, word by word through its rows. */
@@ -171,22 +202,24 @@ static void mark_active(const scree_weather* w, uint32_t z) {
 }
 
 static void sweep(scree_weather* w, uint32_t z, uint64_t step_key, weather_tally* tally) {
+  const uint32_t words = w->words, layers = w->size[1];
+  const ptrdiff_t up = (ptrdiff_t)words, front = (ptrdiff_t)w->bit_plane;
+  row_context row = {.rates = w->tables->rates, .exposure = w->tables->exposure, .last = (int32_t)w->tables->rate_count - 1};
   mark_active(w, z);
-  for (uint32_t y = 0; y < w->size[1]; ++y) {
-    const size_t first = weather_row(w, (int32_t)y, (int32_t)z);
-    uint64_t any = 0;
-    for (uint32_t i = 0; i < w->words; ++i) any |= w->scratch[first + i];
-    if (any == 0) continue;
-    const row_context row = row_of(w, y, z);
-    for (uint32_t i = 0; i < w->words; ++i) {
-      const uint64_t active = w->scratch[first + i];
+  size_t at = weather_row(w, 0, (int32_t)z);
+  for (uint32_t y = 0; y < layers; ++y) {
+    bool entered = false;
+    for (uint32_t i = 0; i < words; ++i, ++at) {
+      const uint64_t active = w->scratch[at];
       if (active == 0) continue;
-      const uint64_t* s = w->solid + first + i;
-      const uint64_t air[6] = {~(*s << 1 | *(s - 1) >> 63), ~(*s >> 1 | s[1] << 63), ~*(s - w->words), ~s[w->words],
-                               ~*(s - w->bit_plane),        ~s[w->bit_plane]};
+      if (!entered) enter_row(w, y, z, &row);
+      entered = true;
+      const uint64_t* s = w->solid + at;
+      const uint64_t air[6] = {~(*s << 1 | s[-1] >> 63), ~(*s >> 1 | s[1] << 63), ~s[-up], ~s[up], ~s[-front], ~s[front]};
       uint64_t faces[3];
       add_faces(air, faces);
-      const uint64_t dead = wear_word(w, &row, first + i, i * 64, active, faces);
+      for (int k = 0; k < 3; ++k) faces[k] &= active;
+      const uint64_t dead = wear_word(w, &row, at, i * 64, active, faces);
       if (dead != 0) bury_dead(w, i, y, z, dead, step_key, tally);
     }
   }
