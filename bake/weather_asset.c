@@ -8,6 +8,7 @@
 enum {
   MAX_LEVEL = 5,
   MAX_LATTICE = 64,
+  SKIRT = 4,             /* voxels */
   MAX_EXTENT = 16384,    /* lattice steps of a side: moments of what fills such a cube still fit 64 bits */
   SEARCH_VERTICES = 4000 /* of the level that convex parts are looked for on */
 };
@@ -74,6 +75,21 @@ static bool is_flat(const int16_t a[3], const int16_t b[3], const int16_t c[3]) 
   return u[0] * w[1] == u[1] * w[0] && u[1] * w[2] == u[2] * w[1] && u[2] * w[0] == u[0] * w[2];
 }
 
+static int16_t bottom_of(const frame* on) {
+  return (int16_t)(-SKIRT * (int32_t)on->steps);
+}
+
+/* Moves the floor from one height to another; nothing else is at the ground or below it. */
+static bool move_floor(weather_lod* lod, int16_t from, int16_t to) {
+  bool any = false;
+  for (uint32_t v = 0; v < lod->mesh.vertex_count; ++v)
+    if (lod->mesh.positions[v][1] == from) {
+      lod->mesh.positions[v][1] = to;
+      any = true;
+    }
+  return any;
+}
+
 /* Rounded down, so that vertices stay in their own cubes and none coincide; where that leaves a triangle without area the quad is
  * split the other way. */
 static void set_mesh(const frame* to, const scree_surface* from, weather_lod* out) {
@@ -88,6 +104,7 @@ static void set_mesh(const frame* to, const scree_surface* from, weather_lod* ou
     mesh->surface[v][3] = 0;
   }
   out->rock_triangles = from->rock_triangles;
+  move_floor(out, 0, bottom_of(to));
   for (uint32_t i = 0; i < mesh->triangle_count * 3; i += 6) {
     const uint32_t* quad = from->indices + i;
     const uint32_t a = quad[0], b = quad[1], c = quad[2], d = quad[5];
@@ -150,6 +167,9 @@ static scree_result measure_error(const frame* on, const weather_lod* fine, cons
     const int32_t middle = axis == 1 ? 0 : (int32_t)(on->size[axis] * on->steps / 2);
     field.origin[axis] = -middle - field.step * 3 / 2; /* a cube more on each side than the surface has */
   }
+  const uint32_t below = (SKIRT + cell - 1) / cell; /* cubes, for the floor */
+  size[1] += below;
+  field.origin[1] -= field.step * (int32_t)below;
   field.width = size[0], field.height = size[1], field.depth = size[2];
   const mesh_buffer from = view_of(fine);
   mesh_buffer to = view_of(coarse);
@@ -250,6 +270,7 @@ static bool holds(const mesh_buffer* mesh, const double p[3]) {
   return inside;
 }
 
+/* Of meshes whose floor lies on the ground. */
 static scree_result add_mass(const frame* on, const scree_allocator* allocator, weather_asset* out) {
   const mesh_buffer mesh = view_of(&out->lods[0]);
   const float voxels_per_step = 1.0f / (float)on->steps;
@@ -288,6 +309,22 @@ static scree_result add_mass(const frame* on, const scree_allocator* allocator, 
   return hull > 0 && out->hull_count >= 4 && out->part_count > 0 ? SCREE_OK : SCREE_ERROR_INVALID_ARGUMENT;
 }
 
+/* Bounds and outer radius hold the floor, too. */
+static void add_floor(const frame* on, weather_asset* out) {
+  const lattice_mesh* mesh = &out->lods[0].mesh;
+  double farthest2 = 0;
+  for (uint32_t v = 0; v < mesh->vertex_count; ++v) {
+    double distance2 = 0;
+    for (uint32_t axis = 0; axis < 3; ++axis) {
+      const double d = (double)mesh->positions[v][axis] / on->steps - (double)out->centroid[axis];
+      distance2 += d * d;
+    }
+    if (distance2 > farthest2) farthest2 = distance2;
+  }
+  out->bounds_min[1] = bottom_of(on);
+  out->outer_radius = (float)(sqrt(farthest2) * (1 + 1e-6));
+}
+
 /* --- All of it. --- */
 
 static scree_result make_asset(scree_mesher* mesher, const frame* on, uint32_t lods, const scree_allocator* allocator,
@@ -311,7 +348,12 @@ static scree_result make_asset(scree_mesher* mesher, const frame* on, uint32_t l
     result = make_level(mesher, on, level + out->lod_count, allocator, out, out->lod_count);
     if (result != SCREE_OK) return result;
   }
-  return add_mass(on, allocator, out);
+  bool stands = false;
+  for (uint32_t lod = 0; lod < out->lod_count; ++lod) stands = move_floor(&out->lods[lod], bottom_of(on), 0) || stands;
+  result = add_mass(on, allocator, out);
+  for (uint32_t lod = 0; lod < out->lod_count; ++lod) move_floor(&out->lods[lod], 0, bottom_of(on));
+  if (result == SCREE_OK && stands) add_floor(on, out);
+  return result;
 }
 
 scree_result weather_asset_make(scree_mesher* mesher, const uint32_t size[3], uint32_t lattice_per_voxel, uint32_t lods,

@@ -2,7 +2,10 @@
  * hand to the pack writer; the surfaces come from scree_mesher_update.
  *
  * Lattice: x and z from the middle of the grid's footprint, y from the ground, lattice_per_voxel steps to a voxel; it does not
- * depend on what the weather left, so all ages and variants of one grid fit over each other. */
+ * depend on what the weather left, so all ages and variants of one grid fit over each other.
+ *
+ * Meshes go 4 voxels into the ground: there the walls go straight down to a level floor. So they stand in ground that is not quite
+ * level, and normals made from triangles are those of the walls where these meet the ground. Mass, hulls and parts leave it out. */
 #ifndef SCREE_WEATHER_ASSET_H
 #define SCREE_WEATHER_ASSET_H
 
@@ -26,10 +29,10 @@ typedef struct weather_asset {
   uint32_t lod_count;
   weather_lod lods[ROCK_MAX_LODS]; /* finest first; one that would be too coarse repeats the one before it */
 
-  /* Of lods[0]. Lattice steps; the rest in voxels. Positions are relative to the lattice's origin. */
+  /* Lattice steps, of lods[0]; the rest in voxels, of what stands above the ground. Relative to the lattice's origin. */
   int16_t bounds_min[3], bounds_max[3];
   float centroid[3], volume;
-  float inner_radius, outer_radius; /* balls around the centroid: inside the shape, and around it */
+  float inner_radius, outer_radius; /* balls around the centroid: inside the shape, and around the mesh */
   float footprint;                  /* what stands on the ground stays within this distance of the lattice's origin */
   float height;                     /* above the ground */
 
