@@ -393,6 +393,48 @@ static void nothing_hangs_in_the_air_after_rockfall(void** state) {
   assert_true(fallen > 1000);
 }
 
+/* A beam over three words of voxels, on one post: a snake of such beams, each on the end of the one below. */
+static void a_beam_on_one_post_does_not_fall(void** state) {
+  (void)state;
+  for (int post = 0; post < 2; ++post) {
+    scree_shape shapes[6];
+    memset(shapes, 0, sizeof shapes);
+    static const uint32_t children[5] = {1, 2, 3, 4, 5};
+    shapes[0].kind = SCREE_SHAPE_UNION;
+    shapes[0].group = (scree_group){children, 5, 0};
+    for (int i = 1; i < 6; ++i) shapes[i].kind = SCREE_SHAPE_BOX;
+    const float near = post == 0 ? 1 : 199, far = 200 - near;
+    /* The post, a beam, what carries the next beam at its other end, that beam; and a cube that nothing carries. */
+    for (int i = 1; i < 4; i += 2) {
+      shapes[i].transform.translation[0] = i == 1 ? near : far;
+      shapes[i].transform.translation[1] = i == 1 ? 3 : 9;
+      shapes[i].box.half[0] = shapes[i].box.half[2] = 1;
+      shapes[i].box.half[1] = 3;
+      shapes[i + 1].transform.translation[0] = 100;
+      shapes[i + 1].transform.translation[1] = i == 1 ? 7 : 13;
+      shapes[i + 1].box.half[0] = 100;
+      shapes[i + 1].box.half[1] = shapes[i + 1].box.half[2] = 1;
+    }
+    shapes[5].transform.translation[0] = 100;
+    shapes[5].transform.translation[1] = 18;
+    shapes[5].box.half[0] = shapes[5].box.half[1] = shapes[5].box.half[2] = 1;
+    const scree_support_desc desc = {.shapes = shapes, .shape_count = 6};
+    scree_support* support;
+    assert_int_equal(scree_support_create(&desc, NULL, &support, NULL), SCREE_OK);
+    const scree_weather_start start = {
+        .kind = SCREE_START_SUPPORT, .size = {200, 20, 4}, .support = support, .voxel = 1, .origin = {0, 0, -2}};
+    scree_weather_rules rules = plain_rules();
+    rules.spheroidal.kind = SCREE_CURVE_NONE;
+    rules.rockfall = SCREE_ROCKFALL_DROP;
+    scree_weather* w = make(&start, &rules);
+    assert_int_equal(scree_weather_step(w, 1), SCREE_OK);
+    assert_int_equal(stats_of(w).fallen, 8);
+    assert_false(something_hangs(w));
+    scree_weather_destroy(w);
+    scree_support_destroy(support);
+  }
+}
+
 static void without_rockfall_a_cube_hangs(void** state) {
   (void)state;
   const scree_weather_start start = cube_start(10);
@@ -438,6 +480,7 @@ int main(void) {
       cmocka_unit_test(a_cavern_opens_at_the_fold_and_stops_growing),
       cmocka_unit_test(colluvium_lies_at_its_angle_of_repose),
       cmocka_unit_test(nothing_hangs_in_the_air_after_rockfall),
+      cmocka_unit_test(a_beam_on_one_post_does_not_fall),
       cmocka_unit_test(without_rockfall_a_cube_hangs),
       cmocka_unit_test(a_level_plain_wears_at_the_rate_of_the_rules),
   };
