@@ -314,7 +314,8 @@ static void scatter(const scree_weather* w, uint32_t x, uint32_t length, int32_t
   const int32_t high = y + t->reach < (int32_t)w->size[1] ? y + t->reach : (int32_t)w->size[1] - 1;
   const bool alike = t->bubble_count == 1 && !t->mixed;
   span_set spans;
-  make_spans((int32_t)length, t->reach, (vshort){0} + (int16_t)(sign < 0 ? -1 : 0), &spans);
+  const int16_t flip = sign < 0 ? -1 : 0;
+  make_spans((int32_t)length, t->reach, (vshort){0} + flip, &spans);
   for (int32_t to_z = first; to_z <= last; ++to_z) {
     uint16_t* to = w->counts + w->count_plane * (size_t)to_z + w->count_row * (size_t)low + x;
     if (alike) {

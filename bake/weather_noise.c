@@ -54,6 +54,7 @@ static void add_octave(const weather_noise* noise, weather_noise_cache* cache, i
   for (uint32_t i = 0; i < count; ++i) {
     const double p = ((double)(x + i) + 0.5) * fx;
     const int32_t cell = (int32_t)p, c = cell - first;
+    /* cppcheck-suppress uninitvar ; there are two points at least */
     const float t = (float)(p - cell), a = at[c] + slope[c] * t, b = at[c + 1] + slope[c + 1] * (t - 1);
     out[i] += height * (a + (b - a) * fade(t));
   }
