@@ -31,9 +31,14 @@ typedef struct mesher_level {
   uint32_t* list;  /* of bricks to average anew */
 } mesher_level;
 
+/* What a brick of voxels holds. */
+enum { HOLDS_SOLID = 1, HOLDS_AIR = 2 };
+
 struct scree_mesher {
   const scree_weather* weather;
   scree_allocator allocator;
+  uint8_t* holds;   /* of the simulation's bricks */
+  uint32_t* stamps; /* of them, when that was found */
   weather_sky sky;
   mesher_level levels[MAX_LEVEL + 1];
 };
@@ -51,6 +56,50 @@ static uint64_t row_bits(const uint64_t* row, uint32_t words, int32_t x) {
   if (word >= 0 && (uint32_t)word < words) bits = row[word] >> shift;
   if (shift > 64 - RAW_SIDE && (uint32_t)(word + 1) < words) bits |= row[word + 1] << (64 - shift);
   return bits & ((UINT64_C(1) << RAW_SIDE) - 1);
+}
+
+static uint8_t find_contents(const scree_weather* w, uint32_t x, uint32_t y, uint32_t z) {
+  /* 64 is a multiple of a brick's side: a row of it lies in one word. */
+  const uint64_t full = ((UINT64_C(1) << BRICK_SIDE) - 1) << (x % 64);
+  uint64_t any = 0, all = full;
+  for (uint32_t k = z; k < z + BRICK_SIDE; ++k)
+    for (uint32_t j = y; j < y + BRICK_SIDE; ++j) {
+      uint64_t bits = 0;
+      if (j < w->size[1] && k < w->size[2]) {
+        const size_t at = weather_row(w, (int32_t)j, (int32_t)k) + x / 64;
+        bits = w->rock[at] | w->colluvium[at];
+      }
+      any |= bits & full;
+      all &= bits;
+    }
+  return (uint8_t)((any != 0 ? HOLDS_SOLID : 0) | (all != full ? HOLDS_AIR : 0));
+}
+
+static void update_contents(scree_mesher* mesher) {
+  const scree_weather* w = mesher->weather;
+  uint32_t b = 0;
+  for (uint32_t z = 0; z < w->bricks[2]; ++z)
+    for (uint32_t y = 0; y < w->bricks[1]; ++y)
+      for (uint32_t x = 0; x < w->bricks[0]; ++x, ++b) {
+        if (mesher->stamps[b] == w->stamps[b]) continue;
+        mesher->holds[b] = find_contents(w, x * BRICK_SIDE, y * BRICK_SIDE, z * BRICK_SIDE);
+        mesher->stamps[b] = w->stamps[b];
+      }
+}
+
+/* Whether the bricks of voxels around a brick of cubes have both rock and air. Outside the grid is air, but at the ground there is
+ * always a surface. */
+static bool may_pass(const scree_mesher* mesher, const int32_t brick[3]) {
+  const scree_weather* w = mesher->weather;
+  uint32_t holds = brick[1] == 0 ? HOLDS_AIR : 0;
+  for (int32_t z = brick[2] - 1; z <= brick[2] + 1; ++z)
+    for (int32_t y = brick[1] > 0 ? brick[1] - 1 : 0; y <= brick[1] + 1; ++y)
+      for (int32_t x = brick[0] - 1; x <= brick[0] + 1; ++x) {
+        const bool outside =
+            x < 0 || z < 0 || (uint32_t)x >= w->bricks[0] || (uint32_t)y >= w->bricks[1] || (uint32_t)z >= w->bricks[2];
+        holds |= outside ? HOLDS_AIR : mesher->holds[(uint32_t)x + w->bricks[0] * ((uint32_t)y + w->bricks[1] * (uint32_t)z)];
+      }
+  return holds == (HOLDS_SOLID | HOLDS_AIR);
 }
 
 /* Whether the block has both rock and air, and any colluvium. */
@@ -84,9 +133,11 @@ static void read_lives(const scree_weather* w, const int32_t at[3], bool only_co
       if (z < 0 || (uint32_t)z >= w->size[2] || (uint32_t)y >= w->size[1]) continue;
       float* to = raw + (size_t)k * RAW_SLICE + (size_t)j * BLOCK_WIDTH;
       const int32_t* life = w->life + weather_at(w, 0, (uint32_t)y, (uint32_t)z);
+      const size_t row = weather_row(w, y, z);
+      const uint64_t grains = row_bits(w->colluvium + row, w->words, at[0]);
+      if ((grains | row_bits(w->rock + row, w->words, at[0])) == 0) continue; /* lives are far larger, and cold */
       if (only_colluvium) {
-        const size_t row = weather_row(w, y, z);
-        for (uint64_t bits = row_bits(w->colluvium + row, w->words, at[0]); bits != 0; bits &= bits - 1) {
+        for (uint64_t bits = grains; bits != 0; bits &= bits - 1) {
           const int32_t x = __builtin_ctzll(bits);
           to[x] = (float)life[at[0] + x] * (1.0f / WEATHER_FULL);
         }
@@ -96,7 +147,9 @@ static void read_lives(const scree_weather* w, const int32_t at[3], bool only_co
 }
 
 static bool load_finest(const void* user, const int32_t brick[3], surface_block* out) {
-  const scree_weather* w = ((const mesher_level*)user)->mesher->weather;
+  const scree_mesher* mesher = ((const mesher_level*)user)->mesher;
+  const scree_weather* w = mesher->weather;
+  if (!may_pass(mesher, brick)) return false;
   int32_t at[3];
   for (uint32_t axis = 0; axis < 3; ++axis) at[axis] = brick[axis] * BRICK_SIDE - 3;
   if (!look(w, at, &out->has_colluvium)) return false;
@@ -190,48 +243,38 @@ static uint32_t clamp_voxel(float at, uint32_t size) {
   return at <= 0 ? 0 : at >= (float)size ? size - 1 : (uint32_t)at;
 }
 
-/* The eight voxels around a point and where it lies between them. */
-typedef struct voxel_cube {
+/* Share of air in the bubble at a point: trilinear between the voxels around it. */
+static float air_share(const scree_weather* w, const float position[3]) {
   uint32_t low[3], high[3];
-  float t[3];
-} voxel_cube;
-
-static voxel_cube cube_around(const scree_weather* w, const float position[3]) {
-  voxel_cube cube;
+  float t[3], v[8];
   for (uint32_t axis = 0; axis < 3; ++axis) {
     const float p = position[axis] - 0.5f;
-    const uint32_t low = clamp_voxel(p, w->size[axis]);
-    const float t = p - (float)low;
-    cube.low[axis] = low;
-    cube.high[axis] = low + 1 < w->size[axis] ? low + 1 : low;
-    cube.t[axis] = t < 0 ? 0 : t > 1 ? 1 : t;
+    low[axis] = clamp_voxel(p, w->size[axis]);
+    high[axis] = low[axis] + 1 < w->size[axis] ? low[axis] + 1 : low[axis];
+    t[axis] = p - (float)low[axis];
+    t[axis] = t[axis] < 0 ? 0 : t[axis] > 1 ? 1 : t[axis];
   }
-  return cube;
-}
-
-static float trilinear(float v[8], const float t[3]) {
+  for (uint32_t j = 0; j < 2; ++j) {
+    const uint32_t y = j == 0 ? low[1] : high[1];
+    const weather_layer* layer = &w->tables->layers[y];
+    if (layer->bubble_count == 1) {
+      const float scale = 1 / (float)w->tables->bubbles[layer->bubbles[0]].volume;
+      const uint16_t *near = w->counts + w->count_row * y + w->count_plane * low[2],
+                     *far = w->counts + w->count_row * y + w->count_plane * high[2];
+      v[2 * j] = (float)near[low[0]] * scale;
+      v[2 * j + 1] = (float)near[high[0]] * scale;
+      v[2 * j + 4] = (float)far[low[0]] * scale;
+      v[2 * j + 5] = (float)far[high[0]] * scale;
+    } else
+      for (uint32_t i = 0; i < 4; ++i) {
+        const uint32_t x = i & 1 ? high[0] : low[0], z = i >> 1 ? high[2] : low[2];
+        v[(i & 1) + 2 * j + 4 * (i >> 1)] = (float)weather_count(w, x, y, z) / (float)weather_bubble_at(w, x, y, z)->volume;
+      }
+  }
   for (uint32_t i = 0; i < 4; ++i) v[i] = v[2 * i] + (v[2 * i + 1] - v[2 * i]) * t[0];
   v[0] += (v[1] - v[0]) * t[1];
   v[1] = v[2] + (v[3] - v[2]) * t[1];
   return v[0] + (v[1] - v[0]) * t[2];
-}
-
-/* Share of air in the bubble at a point. */
-static float air_share(const scree_weather* w, const float position[3]) {
-  const voxel_cube cube = cube_around(w, position);
-  float v[8];
-  for (uint32_t j = 0; j < 2; ++j) {
-    const uint32_t y = j == 0 ? cube.low[1] : cube.high[1];
-    const weather_layer* layer = &w->tables->layers[y];
-    const float scale = 1 / (float)w->tables->bubbles[layer->bubbles[0]].volume;
-    for (uint32_t i = 0; i < 4; ++i) {
-      const uint32_t x = i & 1 ? cube.high[0] : cube.low[0], z = i >> 1 ? cube.high[2] : cube.low[2];
-      const float count = (float)weather_count(w, x, y, z);
-      v[(i & 1) + 2 * j + 4 * (i >> 1)] =
-          layer->bubble_count == 1 ? count * scale : count / (float)weather_bubble_at(w, x, y, z)->volume;
-    }
-  }
-  return trilinear(v, cube.t);
 }
 
 /* 2 c - 1 where a level face has 0. Bubbles count whole voxels, but the surface sinks by up to a voxel as their lives do: half a
@@ -252,7 +295,7 @@ static void describe(const void* user, scree_surface_vertex* vertex) {
     uint32_t p[3];
     for (uint32_t axis = 0; axis < 3; ++axis)
       p[axis] = clamp_voxel(vertex->position[axis] - vertex->normal[axis] * (0.5f + 0.5f * (float)depth), w->size[axis]);
-    const bool solid = weather_voxel(w, (int32_t)p[0], (int32_t)p[1], (int32_t)p[2]) != SCREE_VOXEL_AIR;
+    const bool solid = w->life[weather_at(w, p[0], p[1], p[2])] > 0;
     if (depth == 0 || solid) memcpy(at, p, sizeof at);
     if (solid) break;
   }
@@ -364,10 +407,15 @@ scree_result scree_mesher_create(const scree_weather* weather, scree_mesher** ou
   if (mesher == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
   mesher->weather = weather;
   mesher->allocator = weather->allocator;
-  const scree_result result = weather_sky_create(weather->size, &mesher->allocator, &mesher->sky);
-  if (result == SCREE_OK)
+  scree_result result = weather_sky_create(weather->size, &mesher->allocator, &mesher->sky);
+  const size_t bricks = brick_count(weather);
+  mesher->holds = scree_rt_allocate_zeroed(&mesher->allocator, bricks, sizeof *mesher->holds);
+  mesher->stamps = scree_rt_allocate(&mesher->allocator, bricks, sizeof *mesher->stamps);
+  if (mesher->holds == NULL || mesher->stamps == NULL) result = SCREE_ERROR_OUT_OF_MEMORY;
+  if (result == SCREE_OK) {
+    memset(mesher->stamps, 255, bricks * sizeof *mesher->stamps);
     *out = mesher;
-  else
+  } else
     scree_mesher_destroy(mesher);
   return result;
 }
@@ -378,6 +426,8 @@ void scree_mesher_destroy(scree_mesher* mesher) {
   for (uint32_t level = 0; level <= MAX_LEVEL; ++level)
     if (mesher->levels[level].exists) level_destroy(&mesher->levels[level]);
   weather_sky_destroy(&mesher->sky, &allocator);
+  scree_rt_release(&allocator, mesher->holds, brick_count(mesher->weather), sizeof *mesher->holds);
+  scree_rt_release(&allocator, mesher->stamps, brick_count(mesher->weather), sizeof *mesher->stamps);
   scree_rt_release(&allocator, mesher, 1, sizeof *mesher);
 }
 
@@ -389,6 +439,7 @@ scree_result scree_mesher_update(scree_mesher* mesher, uint32_t number, scree_su
     const scree_result result = level_create(mesher, number);
     if (result != SCREE_OK) return result;
   }
+  update_contents(mesher);
   follow(level);
   weather_sky_update(&mesher->sky, mesher->weather);
   scree_result result = surface_mesher_update(&level->surface, surface);

@@ -119,15 +119,23 @@ static float density(const weather_sky* sky, uint32_t level, const float p[3]) {
     t[axis] = q - (float)whole;
   }
   float v[8];
-  for (uint32_t i = 0; i < 8; ++i) {
-    const int32_t x = at[0] + (int32_t)(i & 1), y = at[1] + (int32_t)(i >> 1 & 1), z = at[2] + (int32_t)(i >> 2);
-    if (y < 0)
-      v[i] = 1;
-    else if (x < 0 || z < 0 || (uint32_t)x >= size[0] || (uint32_t)y >= size[1] || (uint32_t)z >= size[2])
-      v[i] = 0;
-    else
-      v[i] = sky->cells[level][(uint32_t)x + (size_t)size[0] * ((uint32_t)y + (size_t)size[1] * (uint32_t)z)];
-  }
+  const bool within = at[0] >= 0 && at[1] >= 0 && at[2] >= 0 && (uint32_t)at[0] + 1 < size[0] && (uint32_t)at[1] + 1 < size[1] &&
+                      (uint32_t)at[2] + 1 < size[2];
+  const size_t dy = size[0], dz = (size_t)size[0] * size[1];
+  const float* cell = sky->cells[level] + (within ? (uint32_t)at[0] + dy * (uint32_t)at[1] + dz * (uint32_t)at[2] : 0);
+  if (within) {
+    v[0] = cell[0], v[1] = cell[1], v[2] = cell[dy], v[3] = cell[dy + 1];
+    v[4] = cell[dz], v[5] = cell[dz + 1], v[6] = cell[dz + dy], v[7] = cell[dz + dy + 1];
+  } else
+    for (uint32_t i = 0; i < 8; ++i) {
+      const int32_t x = at[0] + (int32_t)(i & 1), y = at[1] + (int32_t)(i >> 1 & 1), z = at[2] + (int32_t)(i >> 2);
+      if (y < 0)
+        v[i] = 1;
+      else if (x < 0 || z < 0 || (uint32_t)x >= size[0] || (uint32_t)y >= size[1] || (uint32_t)z >= size[2])
+        v[i] = 0;
+      else
+        v[i] = sky->cells[level][(uint32_t)x + (size_t)size[0] * ((uint32_t)y + (size_t)size[1] * (uint32_t)z)];
+    }
   for (uint32_t i = 0; i < 4; ++i) v[i] = v[2 * i] + (v[2 * i + 1] - v[2 * i]) * t[0];
   v[0] += (v[1] - v[0]) * t[1];
   v[1] = v[2] + (v[3] - v[2]) * t[1];
