@@ -1,5 +1,5 @@
-/* libFuzzer target: any bytes as a recipe, and as a KEY=VALUE override of one. */
-#include <scree/bake.h>
+/* libFuzzer target: any bytes as a recipe of either kind, and as a KEY=VALUE override of one. */
+#include <scree/hoodoo.h>
 
 #include <stdlib.h>
 #include <string.h>
@@ -15,6 +15,18 @@ static void check_accepted(const scree_recipe* recipe) {
   scree_recipe read;
   if (scree_recipe_parse(text, length, &read, NULL) != SCREE_OK) abort();
   if (scree_recipe_write(&read, again, length + 1) != length || memcmp(text, again, length) != 0) abort();
+  free(again);
+  free(text);
+}
+
+static void check_accepted_hoodoo(const scree_hoodoo_recipe* recipe) {
+  size_t length = scree_hoodoo_write(recipe, NULL, 0);
+  char* text = malloc(length + 1);
+  char* again = malloc(length + 1);
+  if (scree_hoodoo_write(recipe, text, length + 1) != length) abort();
+  static scree_hoodoo_recipe read;
+  if (scree_hoodoo_parse(text, length, &read, NULL) != SCREE_OK) abort();
+  if (scree_hoodoo_write(&read, again, length + 1) != length || memcmp(text, again, length) != 0) abort();
   free(again);
   free(text);
 }
@@ -37,12 +49,28 @@ int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   else
     check_refused(result, &error);
 
+  static scree_hoodoo_recipe hoodoo;
+  result = scree_hoodoo_parse(exact, size, &hoodoo, &error);
+  if (result == SCREE_OK)
+    check_accepted_hoodoo(&hoodoo);
+  else
+    check_refused(result, &error);
+  scree_recipe_kind kind;
+  result = scree_recipe_get_kind(exact, size, &kind, &error);
+  if (result != SCREE_OK) check_refused(result, &error);
+
   char* assignment = realloc(exact, size + 1);
   assignment[size] = '\0';
   scree_recipe_default(&recipe);
   result = scree_recipe_set(&recipe, assignment, &error);
   if (result == SCREE_OK)
     check_accepted(&recipe);
+  else
+    check_refused(result, &error);
+  scree_hoodoo_default(&hoodoo);
+  result = scree_hoodoo_set(&hoodoo, assignment, &error);
+  if (result == SCREE_OK)
+    check_accepted_hoodoo(&hoodoo);
   else
     check_refused(result, &error);
   free(assignment);
