@@ -43,7 +43,7 @@ static uint32_t label_of(const stream_node* node, uint32_t slot) {
 void scree_rt_stream_keep_place(scree_stream* s, stream_build* build) {
   const stream_node* node = &s->nodes[build->node];
   const scree_stream_caps* caps = &s->desc.caps;
-  uint32_t places = s->densest + s->densest / 8;
+  uint32_t places = s->usual[node->level > 0];
   build->place = 0;
   build->slot = STREAM_NONE;
   bool plenty = s->ranges.free_units > s->ranges.units / 4 + places / s->ranges.unit &&
@@ -61,14 +61,17 @@ static void leave_place(scree_stream* s, stream_build* build) {
   build->place = 0;
 }
 
-/* The block that a build's instances become, with its place; STREAM_NONE when there is no room. */
+/* The block that a build's instances become, with its place; STREAM_NONE when there is no room. Few instances move to a place of
+ * their size: the rest of what was kept would be too short for most blocks, and the array would be full while much of it is free.
+ */
 static uint32_t take_place(scree_stream* s, stream_build* build) {
-  if (build->placed) {
+  if (build->placed && build->count >= build->place / 2) {
     scree_rt_ranges_trim(&s->ranges, build->first, build->place, build->count);
     build->place = 0;
     s->blocks[build->slot].first = build->first;
     return build->slot;
   }
+  build->placed = false;
   leave_place(s, build);
   uint32_t slot = take_slot(s);
   if (slot != STREAM_NONE && scree_rt_ranges_take(&s->ranges, build->count, &s->blocks[slot].first)) return slot;
@@ -100,8 +103,8 @@ static void fill_block(scree_stream* s, uint32_t slot, const stream_build* build
   scree_stream_instance* to = s->instances + b->first;
   uint32_t label = label_of(node, slot);
   if (!build->placed) {
-    memcpy(to, build->instances, build->count * sizeof *to);
-    memcpy(s->ids + b->first, build->ids, build->count * sizeof *s->ids);
+    memmove(to, build->instances, build->count * sizeof *to);
+    memmove(s->ids + b->first, build->ids, build->count * sizeof *s->ids);
   }
   if (!build->placed || build->label != label)
     for (uint32_t i = 0; i < build->count; ++i) to[i].block = label;
@@ -164,9 +167,19 @@ static void take_answer(scree_stream* s, stream_build* build) {
   node->ready = true;
 }
 
+/* Moves up seven steps for each count above and down a step for all others: seven in eight are below in the end. */
+static void learn(uint32_t* usual, uint32_t count) {
+  uint32_t step = *usual / 128 + 1;
+  if (*usual == 0)
+    *usual = count;
+  else if (count > *usual)
+    *usual += 7 * step;
+  else if (*usual > step)
+    *usual -= step;
+}
+
 void scree_rt_stream_take_build(scree_stream* s, stream_build* build) {
-  s->densest -= s->densest / 256;
-  if (build->result == SCREE_OK && build->count > s->densest) s->densest = build->count;
+  if (build->result == SCREE_OK && build->count > 0) learn(&s->usual[build->level > 0], build->count);
   take_answer(s, build);
   leave_place(s, build);
 }

@@ -285,7 +285,7 @@ struct scree_stream {
   scree_stream_instance* instances;
   scree_id* ids;
   uint32_t* owners; /* block that is shown, or was, for each unit of ranges; STREAM_NONE: none so far */
-  uint32_t densest; /* instances of the largest blocks of late: so many places are kept for a build */
+  uint32_t usual[2]; /* instances that seven in eight blocks of rocks, of proxies, have at most: places that are kept for a build */
   stream_wait* waiting;
   uint32_t waiting_count, waiting_next;
   uint32_t *fading, fading_count;

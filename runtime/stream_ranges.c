@@ -66,10 +66,11 @@ static uint32_t filled_bin(const stream_ranges* r, uint32_t bin) {
   return NONE;
 }
 
-/* A free range of at least `length` units. Bins above its own hold nothing shorter; its own is looked through, so that a range that
- * fits is always found. */
+/* A free range of at least `length` units: the last that came into its own bin, if that fits, or one of the next bin that has any,
+ * where nothing is shorter. If there is none its own is looked through, so that a range that fits is always found. */
 static uint32_t find_range(const stream_ranges* r, uint32_t length) {
   uint32_t bin = bin_of(length);
+  if (r->bins[bin] != NONE && (r->sizes[r->bins[bin]] & ~RANGES_FREE) >= length) return r->bins[bin];
   if (bin + 1 < RANGES_BINS) {
     uint32_t larger = filled_bin(r, bin + 1);
     if (larger != NONE) return r->bins[larger];

@@ -143,6 +143,40 @@ static void views_far_apart_find_what_they_would_alone(void** state) {
   stream_world_free(&w);
 }
 
+/* The most instances of a long walk; none of it is drawn coarser for want of room. */
+static uint32_t most_of_a_walk(const stream_world* w, uint32_t cap) {
+  scree_stream_desc desc = {.scene = w->scene,
+                            .view_distance = 20,
+                            .max_error_pixels = 12,
+                            .no_far_field = true,
+                            .caps = {.instances = cap},
+                            .decode = stream_decode_pattern};
+  stream_host h;
+  host_create(&h, &desc, NULL);
+  random_stream r = {5};
+  uint32_t most = 0;
+  for (int i = 0; i < 1200; ++i) {
+    scree_view view = host_view(25 * sin(i * 0.07) + random_in(&r, -3, 3), 3, 25 * cos(i * 0.043));
+    host_update(&h, &view, 1);
+    scree_stream_stats stats;
+    scree_stream_get_stats(h.stream, &stats);
+    assert_int_equal(stats.degraded, 0);
+    if (stats.instances > most) most = stats.instances;
+  }
+  host_destroy(&h);
+  return most;
+}
+
+static void blocks_that_come_and_go_leave_room_for_others(void** state) {
+  (void)state;
+  stream_world w;
+  stream_world_make(&w, &(stream_world_desc){0});
+  uint32_t most = most_of_a_walk(&w, 1u << 16);
+  assert_true(most > 1000);
+  most_of_a_walk(&w, most + most / 2);
+  stream_world_free(&w);
+}
+
 static void what_a_cap_took_comes_back_while_the_views_stand(void** state) {
   (void)state;
   stream_world w;
@@ -286,6 +320,7 @@ int main(void) {
       cmocka_unit_test(what_is_covered_has_no_hole),
       cmocka_unit_test(what_is_in_the_frustum_comes_first),
       cmocka_unit_test(views_far_apart_find_what_they_would_alone),
+      cmocka_unit_test(blocks_that_come_and_go_leave_room_for_others),
       cmocka_unit_test(what_a_cap_took_comes_back_while_the_views_stand),
       cmocka_unit_test(levels_change_at_few_distances),
       cmocka_unit_test(as_much_is_shown_ten_thousand_kilometres_away),
