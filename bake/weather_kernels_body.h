@@ -69,8 +69,7 @@ static inline void add_faces(const uint64_t air[6], uint64_t faces[3]) {
   faces[2] = (a & b) | (c & (a | b));
 }
 
-/* How many rows on the next voxels of a steep surface are fetched: too far for the processor to guess. */
-enum { AHEAD = 6 };
+enum { AHEAD = 6 }; /* rows: too far for the processor to guess */
 
 /* One row of voxels and its layer. */
 typedef struct row_context {
@@ -136,6 +135,13 @@ static void bury_dead(scree_weather* w, uint32_t word, uint32_t y, uint32_t z, u
   }
 }
 
+/* Where a surface is steep, the next of it lies in the rows ahead. */
+static inline void fetch_ahead(const scree_weather* w, const row_context* row, uint32_t x) {
+  __builtin_prefetch(row->life + x + (size_t)AHEAD * w->size[0], 1);
+  __builtin_prefetch(row->noise + x + (size_t)AHEAD * w->size[0]);
+  __builtin_prefetch(row->counts + x + AHEAD * w->count_row);
+}
+
 /* Which bubble of a mixture. */
 static inline uint32_t bubble_of(const scree_weather* w, size_t at, uint32_t bit) {
   return (uint32_t)(w->mixture[0][at] >> bit & 1) + 2 * (uint32_t)(w->mixture[1][at] >> bit & 1);
@@ -159,9 +165,7 @@ static inline uint64_t wear_word(const scree_weather* w, const row_context* row,
       const uint32_t shown =
           (uint32_t)(faces[0] >> bit & 1) + 2 * (uint32_t)(faces[1] >> bit & 1) + 4 * (uint32_t)(faces[2] >> bit & 1);
       const uint32_t first = row->firsts[row->mixed ? bubble_of(w, at, bit) : 0];
-      __builtin_prefetch(row->life + x + bit + (size_t)AHEAD * w->size[0], 1);
-      __builtin_prefetch(row->noise + x + bit + (size_t)AHEAD * w->size[0]);
-      __builtin_prefetch(row->counts + x + bit + AHEAD * w->count_row);
+      fetch_ahead(w, row, x + bit);
       dead |= (uint64_t)wear_one(row, x + bit, shown, (colluvium >> bit & 1) != 0, first, &worn) << bit;
     } else {
       const vint shown = (lanes_of(faces[0] >> from) & 1) | (lanes_of(faces[1] >> from) & 2) | (lanes_of(faces[2] >> from) & 4);
@@ -172,6 +176,21 @@ static inline uint64_t wear_word(const scree_weather* w, const row_context* row,
     left &= ~((uint64_t)255 << from);
   } while (left != 0);
   return dead & active;
+}
+
+/* A word with a single active voxel, of which steep surfaces have many. */
+static inline uint64_t wear_lone(const scree_weather* w, const row_context* row, size_t at, uint32_t x, uint64_t active,
+                                 const uint64_t* s, ptrdiff_t up, ptrdiff_t front) {
+  const uint32_t bit = (uint32_t)__builtin_ctzll(active);
+  const uint64_t left = *s << 1 | s[-1] >> 63, right = *s >> 1 | s[1] << 63;
+  const uint64_t solid = (left >> bit & 1) + (right >> bit & 1) + (s[-up] >> bit & 1) + (s[up] >> bit & 1) +
+                         (s[-front] >> bit & 1) + (s[front] >> bit & 1);
+  const uint32_t first = row->firsts[row->mixed ? bubble_of(w, at, bit) : 0];
+  uint32_t worn = 0;
+  fetch_ahead(w, row, x + bit);
+  const bool dead = wear_one(row, x + bit, 6 - (uint32_t)solid, (w->colluvium[at] & active) != 0, first, &worn);
+  if (worn != 0) row->stamps[(x + bit) / WEATHER_BRICK] = w->change;
+  return dead ? active : 0;
 }
 
 static inline void enter_row(const scree_weather* w, uint32_t y, uint32_t z, row_context* row) {
@@ -215,11 +234,16 @@ static void sweep(scree_weather* w, uint32_t z, uint64_t step_key, weather_tally
       if (!entered) enter_row(w, y, z, &row);
       entered = true;
       const uint64_t* s = w->solid + at;
-      const uint64_t air[6] = {~(*s << 1 | s[-1] >> 63), ~(*s >> 1 | s[1] << 63), ~s[-up], ~s[up], ~s[-front], ~s[front]};
-      uint64_t faces[3];
-      add_faces(air, faces);
-      for (int k = 0; k < 3; ++k) faces[k] &= active;
-      const uint64_t dead = wear_word(w, &row, at, i * 64, active, faces);
+      uint64_t dead;
+      if ((active & (active - 1)) == 0)
+        dead = wear_lone(w, &row, at, i * 64, active, s, up, front);
+      else {
+        const uint64_t air[6] = {~(*s << 1 | s[-1] >> 63), ~(*s >> 1 | s[1] << 63), ~s[-up], ~s[up], ~s[-front], ~s[front]};
+        uint64_t faces[3];
+        add_faces(air, faces);
+        for (int k = 0; k < 3; ++k) faces[k] &= active;
+        dead = wear_word(w, &row, at, i * 64, active, faces);
+      }
       if (dead != 0) bury_dead(w, i, y, z, dead, step_key, tally);
     }
   }
@@ -271,7 +295,7 @@ static inline void make_spans(int32_t length, int32_t reach, vshort sign, span_s
   out->sign = sign;
   for (int32_t half = 0; half <= reach; ++half) {
     out->lanes[half][0] = span_lanes(length, half, 0, sign);
-    out->lanes[half][1] = span_lanes(length, half, SPAN, sign);
+    if (length + 2 * half > SPAN) out->lanes[half][1] = span_lanes(length, half, SPAN, sign);
   }
 }
 
@@ -312,12 +336,18 @@ static void scatter(const scree_weather* w, uint32_t x, uint32_t length, int32_t
   const int32_t first = z - t->reach > z_low ? z - t->reach : z_low, last = z + t->reach < z_high ? z + t->reach : z_high - 1;
   const int32_t low = y - t->reach > 0 ? y - t->reach : 0;
   const int32_t high = y + t->reach < (int32_t)w->size[1] ? y + t->reach : (int32_t)w->size[1] - 1;
-  const bool alike = t->bubble_count == 1 && !t->mixed;
+  const bool alike = t->bubble_count == 1 && !t->mixed, short_run = (int32_t)length + 2 * t->reach <= SPAN;
   span_set spans;
   const int16_t flip = sign < 0 ? -1 : 0;
   make_spans((int32_t)length, t->reach, (vshort){0} + flip, &spans);
   for (int32_t to_z = first; to_z <= last; ++to_z) {
     uint16_t* to = w->counts + w->count_plane * (size_t)to_z + w->count_row * (size_t)low + x;
+    if (alike && short_run) {
+      const int8_t* half = &t->bubbles[0].half[z - to_z + WEATHER_MARGIN][y - low + WEATHER_MARGIN];
+      for (int32_t to_y = low; to_y <= high; ++to_y, to += w->count_row, --half)
+        if (*half >= 0) add_lanes(to - *half, spans.lanes[*half][0]);
+      continue;
+    }
     if (alike) {
       const int8_t* half = &t->bubbles[0].half[z - to_z + WEATHER_MARGIN][y - low + WEATHER_MARGIN];
       for (int32_t to_y = low; to_y <= high; ++to_y, to += w->count_row, --half)
