@@ -1,5 +1,6 @@
 #include "weather_sky.h"
 
+#include <math.h>
 #include <string.h>
 
 static size_t cell_count(const uint32_t size[3]) {
@@ -142,19 +143,30 @@ static float density(const weather_sky* sky, uint32_t level, const float p[3]) {
   return v[0] + (v[1] - v[0]) * t[2];
 }
 
-/* A cone along the normal, looked at where it is as wide as a cell: how far out, what a plain holds there, and how much of the
- * hemisphere the rest hides. */
-static const struct {
+/* Cones, looked at where they are as wide as a cell: how far out, what a plain holds there, and how much of what is seen the rest
+ * hides. One along the normal, and a weaker one tilted up, from where most light comes: it is what darkens the neck under a cap. */
+typedef struct sky_look {
   float distance, plain, weight;
-} looks[SKY_LEVELS] = {{3.5f, 0.145f, 1.3f}, {8.0f, 0.125f, 1.1f}, {17.0f, 0.115f, 0.9f}};
+} sky_look;
+static const sky_look along_normal[SKY_LEVELS] = {{3.5f, 0.145f, 1.3f}, {8.0f, 0.125f, 1.1f}, {17.0f, 0.115f, 0.9f}};
+static const sky_look tilted_up[SKY_LEVELS] = {{0, 0, 0}, {9.0f, 0.185f, 0.9f}, {19.0f, 0.175f, 0.9f}};
+#define TILT 0.9f
 
-float weather_sky_at(const weather_sky* sky, const float position[3], const float normal[3]) {
+static float look_along(const weather_sky* sky, const sky_look* looks, uint32_t first, const float position[3], const float to[3]) {
   float open = 1;
-  for (uint32_t level = 0; level < SKY_LEVELS; ++level) {
+  for (uint32_t level = first; level < SKY_LEVELS; ++level) {
     float p[3];
-    for (uint32_t axis = 0; axis < 3; ++axis) p[axis] = position[axis] + normal[axis] * looks[level].distance;
+    for (uint32_t axis = 0; axis < 3; ++axis) p[axis] = position[axis] + to[axis] * looks[level].distance;
     const float hidden = (density(sky, level, p) - looks[level].plain) * looks[level].weight;
     if (hidden > 0) open *= hidden < 1 ? 1 - hidden : 0;
   }
   return open;
+}
+
+float weather_sky_at(const weather_sky* sky, const float position[3], const float normal[3]) {
+  const float up[3] = {normal[0], normal[1] + TILT, normal[2]};
+  /* Not zero: the normal is unit, and the tilt is less. */
+  const float scale = 1 / sqrtf(up[0] * up[0] + up[1] * up[1] + up[2] * up[2]);
+  const float tilted[3] = {up[0] * scale, up[1] * scale, up[2] * scale};
+  return look_along(sky, along_normal, 0, position, normal) * look_along(sky, tilted_up, 1, position, tilted);
 }
