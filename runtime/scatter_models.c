@@ -220,7 +220,9 @@ static scree_result copy_pack(scree_scatter* s, scree_error* error) {
     scree_asset asset;
     result = scree_pack_get_model(s->pack, i, &model);
     if (result == SCREE_OK) result = scree_pack_get_asset(s->pack, i, &asset);
-    if (result == SCREE_OK && !(is_length(model.footprint) && is_length(asset.outer_radius))) result = SCREE_ERROR_CORRUPT;
+    /* A model that does not reach down to the ground has no footprint: it is fitted by its middle alone. */
+    if (result == SCREE_OK && !(model.footprint >= 0 && model.footprint <= 1e9f && is_length(asset.outer_radius)))
+      result = SCREE_ERROR_CORRUPT;
     if (result != SCREE_OK) break;
     s->models[i] = (scatter_model){.footprint = model.footprint, .first_part = parts, .part_count = model.part_count};
     double outer = 0;

@@ -42,7 +42,7 @@ done
 
 # How many rocks a scene has at least. Of the paper's scenes: as many as there.
 declare -A least=([canyon]=25313 [zen_garden]=94658 [bories]=28032 [statue]=8000 [boulder_pile]=3000 [bunny]=6000
-  [dry_stone_wall]=2500 [scree_slope]=20000)
+  [dry_stone_wall]=2500 [scree_slope]=20000 [goblin_valley]=12000 [hoodoos]=20)
 
 # number FILE KEY: the first number of that key in a report.
 number() { sed -nE "s/.*\"$2\": ([0-9.]+).*/\1/p" "$1" | head -1; }

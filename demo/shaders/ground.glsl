@@ -45,13 +45,18 @@ Surface ground_surface(vec3 point, vec3 normal, float unit, float pixel) {
     float bent = dot(point.xz, across) + 0.35 * broad.x + 0.10 * noise(point * 1.3, pixel * 1.3).x;
     vec4 ripple = noise(vec3(bent * 7.0, 0.5, dot(point.xz, vec2(-across.y, across.x)) * 0.8), pixel * 7.0);
     float blown = smoothstep(-0.15, 0.30, wide.x + 0.5 * broad.x) * slant;
-    slope = 0.55 * slope + 0.30 * grain.xyz;
+    slope = 0.45 * slope + 0.35 * grain.xyz;
     slope.xz += blown * 0.16 * ripple.y * across;
     mean = ground_colour.rgb;
-    albedo = mean * mix(vec3(1.05, 1.04, 1.02), vec3(0.90, 0.86, 0.82), smoothstep(-0.4, 0.5, large + 0.7 * wide.x));
-    albedo *= max(1.0 + 0.20 * large + 0.14 * small + 0.30 * grain.w + blown * 0.10 * ripple.x, 0.2);
-    mean *= vec3(0.92, 0.80, 0.70);
+    // Grains that are too coarse for the wind lie where it blows most.
+    float specks = noise(point * 17.0, pixel * 17.0).x + 0.4 * noise(MIX * point * 5.0, pixel * 5.0).x;
+    float pebbles = smoothstep(0.30, 0.42, specks) * smoothstep(0.25, -0.25, wide.x + 0.6 * broad.x);
+    albedo = mean * mix(vec3(1.06, 1.05, 1.04), vec3(0.90, 0.85, 0.81), smoothstep(-0.35, 0.45, 0.5 * large + 0.9 * wide.x + 0.3 * broad.x));
+    albedo *= max(1.0 + 0.09 * large + 0.10 * small + 0.30 * grain.w + blown * 0.08 * ripple.x - 0.38 * pebbles, 0.2);
+    slope *= 1.0 + pebbles;
+    mean *= vec3(0.95, 0.76, 0.64);
     grass = 0.0;
+    unit = max(unit, 1.1); // walls of rock do not grow finer with the stones before them
   }
 
   // Where it is too steep for earth the rock shows: beds that run level, cracks that run down.

@@ -18,8 +18,8 @@ vec3 srgb(vec3 x) { return mix(12.92 * x, 1.055 * pow(max(x, 0.0031308), vec3(1.
 // Every bed has a tint of its own, the same in all hoodoos of a pack.
 vec3 bed_tint(float bed) {
   uint h = uint(bed + 0.5) * 2654435761u + 97u;
-  vec3 tint = mix(vec3(0.90, 0.80, 0.74), vec3(1.10, 1.10, 1.08), hash_unit(h));
-  return tint * mix(0.88, 1.08, hash_unit(h + 5u));
+  vec3 tint = mix(vec3(0.97, 0.89, 0.84), vec3(1.06, 1.09, 1.10), hash_unit(h));
+  return tint * mix(0.92, 1.07, hash_unit(h + 5u));
 }
 
 vec3 rock_colour(vec3 base, float pixel) {

@@ -10,26 +10,27 @@ Surface sandstone_surface(vec3 point, vec3 normal, vec3 colour, float loose, flo
   vec3 slope = 0.030 * 2.6 * (lump.yzw * MIX) + 0.010 * 7.3 * small.yzw + 0.0045 * 19.0 * (fine.yzw * MIX);
 
   // Layers: of the place in the world and not of the hoodoo, for they were there before it.
-  float level = point.y + 0.12 * noise(point * vec3(0.5, 0.0, 0.5), pixel * 0.5).x + 0.02 * lump.x;
+  float level = point.y + 0.16 * noise(point * vec3(0.5, 0.0, 0.5), pixel * 0.5).x + 0.05 * broad.x + 0.03 * lump.x;
   vec4 thick = noise(vec3(point.x * 0.2, level * 4.3, point.z * 0.2), pixel * 4.3);
   vec4 thin = noise(vec3(point.x * 0.4, level * 15.0, point.z * 0.4), pixel * 15.0);
   slope.y += wall * (0.020 * 4.3 * thick.z + 0.0065 * 15.0 * thin.z);
 
   // Rills: water comes down the walls in lines.
-  vec4 rill = noise(q * vec3(3.4, 0.30, 3.4), pixel * 3.4);
-  vec4 streak = noise(q * vec3(8.0, 0.45, 8.0) + 3.0, pixel * 8.0);
-  slope += wall * (0.035 * vec3(3.4, 0.3, 3.4) * rill.yzw + 0.010 * vec3(8.0, 0.45, 8.0) * streak.yzw);
+  vec3 r = q + 0.22 * vec3(broad.y, 0.0, broad.w) + 0.05 * vec3(lump.y, 0.0, lump.w);
+  vec4 rill = noise(r * vec3(2.6, 0.30, 2.6), pixel * 2.6);
+  vec4 streak = noise(r * vec3(8.0, 0.55, 8.0) + 3.0, pixel * 8.0);
+  slope += wall * (0.034 * vec3(2.6, 0.3, 2.6) * rill.yzw + 0.007 * vec3(8.0, 0.45, 8.0) * streak.yzw);
   float pit;
   vec4 grain = triplanar_detail(q * 1.9, normal, pixel * 1.9, pit);
   slope += mix(0.35, 0.60, loose) * grain.xyz;
 
   vec3 albedo = colour;
   albedo *= 1.0 + 0.13 * broad.x + 0.10 * lump.x + 0.10 * small.x + 0.08 * fine.x;
-  albedo *= 1.0 + wall * (0.20 * thick.x + 0.12 * thin.x);
-  albedo *= 1.0 - wall * 0.22 * smoothstep(0.02, 0.40, rill.x + 0.5 * streak.x);
+  albedo *= 1.0 + wall * (0.18 * thick.x + 0.08 * thin.x);
+  albedo *= 1.0 - wall * 0.20 * smoothstep(0.05, 0.45, rill.x + 0.3 * streak.x);
   albedo *= 1.0 + mix(0.16, 0.30, loose) * grain.w;
   // Edges are bleached and rubbed, hollows keep the dust and the dark.
-  vec3 rubbed = mix(vec3(0.66, 0.60, 0.56), vec3(1.16, 1.15, 1.13), smoothstep(-0.55, 0.55, bend));
+  vec3 rubbed = mix(vec3(0.72, 0.68, 0.65), vec3(1.14, 1.14, 1.13), smoothstep(-0.55, 0.55, bend));
   albedo *= mix(rubbed, vec3(1.0), 0.6 * loose);
   // Dust settles on what is level.
   float dust = smoothstep(0.55, 0.95, normal.y + 0.25 * lump.x) * 0.35 * (1.0 - loose);
