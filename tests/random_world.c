@@ -134,9 +134,8 @@ void make_mixed_world(world* w, random_stream* r, uint32_t layers) {
 /* A slab, tilted and rolling, with balls on it. */
 static void roll(random_support* s, random_stream* r) {
   static const uint32_t children[] = {2, 3, 4};
-  s->shapes[0] =
-      (scree_shape){.kind = SCREE_SHAPE_NOISE,
-                    .noise = {.child = 1, .amplitude = (float)random_in(r, 0.05, 0.6), .wavelength = (float)random_in(r, 3, 9)}};
+  const float amplitude = (float)random_in(r, 0.05, 0.6), wavelength = (float)random_in(r, 3, 9);
+  s->shapes[0] = (scree_shape){.kind = SCREE_SHAPE_NOISE, .noise = {.child = 1, .amplitude = amplitude, .wavelength = wavelength}};
   s->shapes[1] = (scree_shape){.kind = SCREE_SHAPE_UNION, .group = {children, 3, 0}};
   s->shapes[2] = (scree_shape){.kind = SCREE_SHAPE_BOX, .box = {{8, 1, 8}, 0}};
   const double tilt = random_in(r, -0.2, 0.2);
