@@ -159,7 +159,8 @@ static bool begin(search* s, const scatter_visit* v, int64_t low[2], int64_t hig
   s->lipschitz = scree_rt_support_lipschitz(v->ground);
   s->largest = v->ground->magnitude;
   s->doubt = 0;
-  for (uint32_t i = 0; i < v->ground->op_count; ++i) s->doubt = fmax(s->doubt, (double)v->ground->ops[i].doubt);
+  for (uint32_t i = 0; i < v->ground->op_count; ++i) /* not with fmax, over which gcc 12 for aarch64 stumbles */
+    if ((double)v->ground->ops[i].doubt > s->doubt) s->doubt = (double)v->ground->ops[i].doubt;
   if (!scree_rt_support_level_bounds(v->ground, 0, ground_low, ground_high)) return false;
   for (int a = 0; a < 3; ++a) {
     s->base[a] = scatter->origin[a] - v->ground->origin[a];
@@ -182,10 +183,10 @@ static bool begin(search* s, const scatter_visit* v, int64_t low[2], int64_t hig
 }
 
 uint32_t scree_rt_scatter_code(const scree_scatter* scatter, int32_t x, int32_t z) {
-  uint32_t code = 0;
-  for (uint32_t i = 0; i < 4; ++i) /* wraps at the end, as its hash does */
-    code |= corner_colour(scatter->lattice.seed, (int32_t)((uint32_t)x + (i & 1)), 0, (int32_t)((uint32_t)z + (i >> 1))) << i;
-  return code;
+  const uint64_t seed = scatter->lattice.seed;
+  const int32_t x1 = (int32_t)((uint32_t)x + 1), z1 = (int32_t)((uint32_t)z + 1); /* wraps at the end, as its hash does */
+  return corner_colour(seed, x, 0, z) | corner_colour(seed, x1, 0, z) << 1 | corner_colour(seed, x, 0, z1) << 2 |
+         corner_colour(seed, x1, 0, z1) << 3;
 }
 
 bool scree_rt_scatter_steps(const scree_scatter* scatter, int32_t x, int32_t z, uint32_t local, int64_t steps[2]) {

@@ -6,6 +6,7 @@
 
 #include "digest_edits.h"
 #include "digest_queries.h"
+#include "digest_scatter.h"
 #include "digest_surface.h"
 #include "lattice.h"
 
@@ -88,6 +89,7 @@ int main(void) {
   printf("edits %016" PRIx64 "\n", digest_edits());
   printf("convex %016" PRIx64 "\n", digest_convex());
   printf("spatial %016" PRIx64 "\n", digest_spatial());
+  printf("scatter %016" PRIx64 "\n", digest_scatter());
   printf("surface %016" PRIx64 "\n", digest_surface());
   return 0;
 }
