@@ -10,6 +10,7 @@
 extern "C" {
 #endif
 
+/* What a recipe is of. */
 typedef enum scree_recipe_kind { SCREE_RECIPE_ROCKS = 0, SCREE_RECIPE_HOODOO = 1 } scree_recipe_kind;
 
 /* Which kind a recipe is of: its key "kind" says "rocks" or "hoodoo"; without it, rocks. Hoodoos are in scree/hoodoo.h.

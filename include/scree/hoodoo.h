@@ -24,6 +24,7 @@ enum {
   SCREE_HOODOO_VARIANTS = 255 /* of a recipe */
 };
 
+/* The shapes of scree_hoodoo_start. */
 typedef enum scree_hoodoo_shape {
   SCREE_HOODOO_BOX = 0,       /* of `min` .. `max` */
   SCREE_HOODOO_COLUMN = 1,    /* upright, of `radius` and `height`, with lobes whose places are random */
@@ -80,6 +81,8 @@ typedef struct scree_hoodoo_phase {
   scree_hoodoo_rules rules; /* those of `changes` */
 } scree_hoodoo_phase;
 
+/* Everything that decides how models look. scree_hoodoo_default fills it with the default goblin; the JSON keys are the same names,
+ * see content/schema/hoodoo.schema.json. */
 typedef struct scree_hoodoo_recipe {
   char name[64];
   uint64_t random_seed; /* 0..2^53 */
@@ -119,6 +122,7 @@ SCREE_API size_t scree_hoodoo_write(const scree_hoodoo_recipe* recipe, char* tex
 /* The rules by reference: `out` points into `rules`. */
 SCREE_API void scree_hoodoo_rules_view(const scree_hoodoo_rules* rules, scree_weather_rules* out);
 
+/* What a bake is given. */
 typedef struct scree_hoodoo_desc {
   const scree_hoodoo_recipe* recipe;
   const uint8_t* map;            /* JOINT_MAP: map_width * map_depth, x fastest */
@@ -133,13 +137,15 @@ typedef struct scree_hoodoo_desc {
   void* progress_user;
 } scree_hoodoo_desc;
 
-/* What one variant stands as before its first step. out: its arrays, if any, are owned by `memory`, which scree_hoodoo_start_free
- * gives back. Returns SCREE_OK, RANGE, INVALID_ARGUMENT (a map or mesh that was not given) or OUT_OF_MEMORY. */
+/* What the arrays of a start shape lie in. */
 typedef struct scree_hoodoo_start_memory {
   void* map;
   size_t map_size;
   scree_support* support;
 } scree_hoodoo_start_memory;
+
+/* What one variant stands as before its first step. out: its arrays, if any, are owned by `memory`, which scree_hoodoo_start_free
+ * gives back. Returns SCREE_OK, RANGE, INVALID_ARGUMENT (a map or mesh that was not given) or OUT_OF_MEMORY. */
 SCREE_API scree_result scree_hoodoo_start_make(const scree_hoodoo_desc* desc, uint32_t variant, scree_weather_start* out,
                                                scree_hoodoo_start_memory* memory, scree_error* error);
 SCREE_API void scree_hoodoo_start_free(const scree_hoodoo_desc* desc, scree_hoodoo_start_memory* memory);
