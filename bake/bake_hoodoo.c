@@ -188,6 +188,16 @@ static scree_result copy_parts(const hoodoo_bake* bake, const weather_asset* ass
   return SCREE_OK;
 }
 
+/* To 64 levels of durability and 31 of curvature: what no eye tells apart is not worth a sixth of the pack. Level stays level. */
+static void round_surface(lattice_mesh* mesh) {
+  for (uint32_t v = 0; v < mesh->vertex_count; ++v) {
+    uint8_t* bytes = mesh->surface[v];
+    const int durability = (bytes[1] + 2) / 4 * 4, curvature = (bytes[2] + 4) / 8 * 8; /* 128 is a multiple of both */
+    bytes[1] = (uint8_t)(durability < 255 ? durability : 255);
+    bytes[2] = (uint8_t)(curvature < 8 ? 8 : curvature > 248 ? 248 : curvature);
+  }
+}
+
 static scree_result keep_model(const variant_run* run, uint32_t age, const scree_weather_stats* stats, const weather_asset* asset,
                                rock_record* rock, model_record* model) {
   const hoodoo_bake* bake = run->bake;
@@ -210,6 +220,7 @@ static scree_result keep_model(const variant_run* run, uint32_t age, const scree
   for (uint32_t level = 0; level < bake->recipe.lod_levels && result == SCREE_OK; ++level) {
     lattice_mesh mesh = asset->lods[level].mesh;
     mesh.error = asset->lods[level].error_of_most * metres;
+    round_surface(&mesh);
     const bool coarsest = level + 1 == bake->recipe.lod_levels;
     result = (coarsest ? plain_encode : draco_encode)(&mesh, &bake->allocator, &rock->lods[level]);
     rock->lods[level].error = mesh.error;
