@@ -82,7 +82,7 @@ typedef struct scree_curve {
 typedef enum scree_rockfall {
   SCREE_ROCKFALL_NONE = 0,
   SCREE_ROCKFALL_DROP = 1,     /* what has no path of faces through rock and colluvium to the ground is gone */
-  SCREE_ROCKFALL_COLLUVIUM = 2 /* it becomes colluvium, as removed voxels do */
+  SCREE_ROCKFALL_COLLUVIUM = 2 /* rock becomes colluvium, as removed voxels do; colluvium slides and falls again */
 } scree_rockfall;
 
 typedef struct scree_weather_rules {
@@ -95,7 +95,7 @@ typedef struct scree_weather_rules {
   double steps_per_voxel;      /* L, 1..1e4: see scree_curve_kind */
   double colluvium_share;      /* of removed voxels of rock that become colluvium, 0..1; by a hash of the place and the step */
   double colluvium_durability; /* of colluvium, as a share of the durability graph, noise apart, where it lies; > 0, <= 1e6 */
-  double repose;               /* tangent of the angle of repose, 1/16..4 */
+  double repose;               /* tangent of the angle of repose, 1/16..4; slopes come out within 6 % of it */
   scree_rockfall rockfall;
 } scree_weather_rules;
 
@@ -150,7 +150,8 @@ SCREE_API scree_result scree_weather_set_rules(scree_weather* weather, const scr
 
 /* --- steps ------------------------------------------------------------------------------------------------------------------ */
 
-/* `count` steps, fewer when nothing is left. Returns SCREE_OK or OUT_OF_MEMORY (the state is that of the last whole step). */
+/* `count` steps, fewer when nothing is left. Lives are kept to 2^-30: what a step takes is rounded down to that. Allocates nothing.
+ * Returns SCREE_OK. */
 SCREE_API scree_result scree_weather_step(scree_weather* weather, uint32_t count);
 
 /* Steps until at most `share` of the volume of the start is left as rock, or until `most` steps are done; progress: as in
