@@ -350,6 +350,55 @@ static void rocks_make_room_for_models_and_later_models_for_rocks(void** state) 
   scree_support_destroy(rocks_in);
 }
 
+/* Arms of models reach far from where they stand: a question about one rock has to look there. */
+static void single_rocks_are_judged_as_among_all(void** state) {
+  (void)state;
+  const scree_shape slab = {.kind = SCREE_SHAPE_BOX, .box = {{15, 1, 15}, 0}},
+                    pile = {.kind = SCREE_SHAPE_BOX, .box = {{15, 2, 15}, 0}};
+  scree_support *ground = one_shape(&slab), *rocks_in = one_shape(&pile);
+  const float arm[] = {0, 0.1f, 0, 0, 0.5f, 0.1f, 5, 0.2f, -0.1f, 5, 0.4f, 0.1f};
+  const scree_scatter_model armed = {.footprint_radius = 0.1f, .height = 0.5f, .hull = arm, .hull_count = 4};
+  scree_scatter* scatter;
+  assert_int_equal(
+      scree_scatter_create(&(scree_scatter_desc){.models = &armed, .model_count = 1, .spacing = 6}, NULL, &scatter, NULL),
+      SCREE_OK);
+  synthetic_source source = synthetic_create(4, 1, 1, 5);
+  synthetic_add_hulls(&source, 3, 2, 0);
+  scree_field* field;
+  assert_int_equal(
+      scree_rt_field_create_from_source(&(scree_field_desc){.seed = 4, .cell_size = 0.6}, &source.source, NULL, &field), SCREE_OK);
+  const scree_layer layers[2] = {{.scatter = scatter, .support = ground}, {.field = field, .support = rocks_in}};
+  scree_scratch* scratch = make_scratch();
+  scree_scene *scene, *alone;
+  assert_int_equal(scree_scene_create(&(scree_scene_desc){layers, 2}, NULL, &scene, NULL), SCREE_OK);
+  assert_int_equal(scree_scene_create(&(scree_scene_desc){&layers[1], 1}, NULL, &alone, NULL), SCREE_OK);
+  scree_scene_query_desc all = {.scene = scene, .layers = 2}, every = {.scene = alone};
+  scene_rocks kept = ask_scene(&all, scratch), candidates = ask_scene(&every, scratch);
+  uint64_t judged = 0;
+  for (uint64_t i = 0; i < candidates.count; ++i) {
+    scree_id id = candidates.rocks[i].id;
+    id.layer = 1;
+    candidates.rocks[i].id = id;
+    scree_rock_state found;
+    if (i % 7 != 0) continue;
+    assert_int_equal(scree_scene_find(scene, NULL, scratch, &id, all.origin, NULL, &found), SCREE_OK);
+    const scene_rocks one = {&candidates.rocks[i], 1};
+    assert_int_equal(found, scene_rocks_missing(&kept, &one) == 0 ? SCREE_ROCK_EXISTS : SCREE_ROCK_DROPPED);
+    judged += found == SCREE_ROCK_DROPPED;
+  }
+  assert_true(judged > 20);
+  scene_rocks_free(&kept);
+  scene_rocks_free(&candidates);
+  scree_scene_destroy(alone);
+  scree_scene_destroy(scene);
+  scree_scratch_destroy(scratch);
+  scree_field_destroy(field);
+  synthetic_destroy(&source);
+  scree_scatter_destroy(scatter);
+  scree_support_destroy(ground);
+  scree_support_destroy(rocks_in);
+}
+
 static void edits_of_scatters_are_saved_and_apply_to_the_same_instances_only(void** state) {
   (void)state;
   random_stream r = {21};
@@ -492,6 +541,7 @@ int main(void) {
       cmocka_unit_test(rays_hit_the_nearest_part_of_all),
       cmocka_unit_test(shapes_and_points_meet_the_parts_that_all_of_them_do),
       cmocka_unit_test(rocks_make_room_for_models_and_later_models_for_rocks),
+      cmocka_unit_test(single_rocks_are_judged_as_among_all),
       cmocka_unit_test(edits_of_scatters_are_saved_and_apply_to_the_same_instances_only),
       cmocka_unit_test(wrong_layers_of_scatters_are_refused_with_the_reason),
       cmocka_unit_test(each_allocation_of_a_question_may_fail),
