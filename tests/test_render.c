@@ -355,6 +355,78 @@ static void stones_of_unknown_sources_are_refused(void** state) {
   stage_close(&s);
 }
 
+/* A red ball a metre to the right of where it stands. */
+static bool decode_arm(void* user, uint32_t asset, uint32_t lod, scree_vertex* vertices, uint16_t* indices) {
+  const render_source* source = user;
+  if (!source->decode(source->user, asset, lod, vertices, indices)) return false;
+  for (uint32_t i = 0; i < source->assets[asset].vertices[lod]; ++i) {
+    vertices[i].position[0] = (int16_t)(vertices[i].position[0] / 4 + SYNTHETIC_LATTICE);
+    vertices[i].position[1] = (int16_t)(vertices[i].position[1] / 4);
+    vertices[i].position[2] = (int16_t)(vertices[i].position[2] / 4);
+    vertices[i].material = 255;
+    vertices[i].durability = 0;
+    vertices[i].curvature = 0;
+  }
+  return true;
+}
+
+/* Where the one model of a picture is seen, and how red it is. */
+static void find_model(render* r, const render_picture* p, float place[3], double* red, double* green) {
+  uint8_t* pixels = draw(r, p);
+  uint32_t count = 0;
+  *red = *green = 0;
+  for (int a = 0; a < 3; ++a) place[a] = 0;
+  for (uint32_t y = 0; y < HEIGHT; ++y)
+    for (uint32_t x = 0; x < WIDTH; ++x) {
+      uint32_t stone;
+      float point[3];
+      if (!render_pick(r, x, y, &stone, point) || stone != 0) continue;
+      ++count;
+      for (int a = 0; a < 3; ++a) place[a] += point[a];
+      *red += pixels[3 * (y * WIDTH + x)];
+      *green += pixels[3 * (y * WIDTH + x) + 1];
+    }
+  free(pixels);
+  assert_in_range(count, 20, WIDTH * HEIGHT / 4);
+  for (int a = 0; a < 3; ++a) place[a] /= (float)count;
+}
+
+static void models_are_turned_scaled_and_painted(void** state) {
+  (void)state;
+  stage s;
+  stage_open(&s, false);
+  assert_int_equal(render_set_stones(s.renderer, NULL, 0), SCREE_OK);
+  render_asset asset = s.source.assets[0];
+  asset.centre[0] = 1;
+  render_source arm = s.source;
+  arm.asset_count = 1;
+  arm.assets = &asset;
+  arm.look = RENDER_LOOK_PAINTED;
+  arm.decode = decode_arm;
+  arm.user = &s.source;
+  const uint32_t source = render_add_source(s.renderer, &arm);
+  static const struct {
+    float turn[2], scale, place[3];
+  } cases[] = {{{0, 0}, 1, {1, 1, 0}},
+               {{0, 1}, 1, {1, 1, 0}},
+               {{1, 0}, 1, {0, 1, -1}},
+               {{0, -1}, 1, {-1, 1, 0}},
+               {{0.6f, 0.8f}, 1.5f, {1.2f, 1, -0.9f}}};
+  for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+    render_stone model = {.position = {0, 1, 0}, .cell_size = cases[i].scale, .source = (uint16_t)source};
+    memcpy(model.turn, cases[i].turn, sizeof model.turn);
+    assert_int_equal(render_set_stones(s.renderer, &model, 1), SCREE_OK);
+    render_picture p = heap_picture();
+    float place[3];
+    double red, green;
+    find_model(s.renderer, &p, place, &red, &green);
+    /* What is seen of a ball is the half towards the eye. */
+    for (int a = 0; a < 3; ++a) assert_float_equal(place[a], cases[i].place[a], 0.25f * cases[i].scale);
+    assert_true(red > 2 * green);
+  }
+  stage_close(&s);
+}
+
 static void segments_are_seen_through_stones_but_dimmed(void** state) {
   (void)state;
   stage s;
@@ -525,6 +597,7 @@ int main(void) {
       cmocka_unit_test(budget_decodes_piecemeal_to_the_same_picture),
       cmocka_unit_test(meshes_that_cannot_be_decoded_are_drawn_as_nothing),
       cmocka_unit_test(stones_of_unknown_sources_are_refused),
+      cmocka_unit_test(models_are_turned_scaled_and_painted),
       cmocka_unit_test(segments_are_seen_through_stones_but_dimmed),
       cmocka_unit_test(level_of_detail_follows_size_on_screen),
       cmocka_unit_test(visible_casters_lie_in_a_cascade),
