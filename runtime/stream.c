@@ -323,6 +323,13 @@ uint32_t scree_stream_mesh_slots(const scree_stream* s) {
   return s != NULL ? s->mesh_slots : 0;
 }
 
+uint32_t scree_stream_mesh(const scree_stream* s, uint32_t layer, uint32_t asset, uint32_t level) {
+  if (s == NULL || layer >= s->layer_count) return UINT32_MAX;
+  const stream_pack* pack = &s->packs[s->layers[layer].pack];
+  if (pack->pack == NULL || asset >= pack->total || level >= pack->levels) return UINT32_MAX;
+  return stream_mesh_slot(pack, asset, level);
+}
+
 void scree_stream_get_stats(const scree_stream* s, scree_stream_stats* out) {
   memset(out, 0, sizeof *out);
   if (s == NULL) return;

@@ -231,6 +231,7 @@ static void count_level(stream_host* h, const host_block* b, const scree_stream_
     uint32_t slot = h->slots[pack][h->instances[i].asset * levels + level];
     if (slot == UINT32_MAX && h->void_coarsest && level == levels - 1) continue;
     assert_int_not_equal(slot, UINT32_MAX);
+    if (in && !b->leaving) assert_int_equal(scree_stream_mesh(h->stream, b->layer, h->instances[i].asset, level), slot);
     assert_true(h->meshes[slot].in);
     h->meshes[slot].users += in ? 1u : UINT32_MAX;
   }

@@ -488,8 +488,36 @@ static void a_failing_allocation_costs_time_and_nothing_else(void** state) {
   stream_world_free(&w);
 }
 
+static void slots_of_meshes_follow_from_asset_and_level(void** state) {
+  (void)state;
+  stream_world w;
+  stream_world_make(&w, &(stream_world_desc){.proxies = true});
+  scree_pack_info info;
+  scree_pack_get_info(w.pack, &info);
+  scree_stream_desc desc = {.scene = w.scene, .view_distance = 10, .decode = stream_decode_pattern};
+  stream_host h;
+  host_create(&h, &desc, NULL);
+  uint32_t assets = info.asset_count + info.proxy_count, slots = scree_stream_mesh_slots(h.stream);
+  uint8_t* taken = calloc(slots, 1);
+  assert_non_null(taken);
+  for (uint32_t asset = 0; asset < assets; ++asset)
+    for (uint32_t level = 0; level < info.lod_count; ++level) {
+      uint32_t slot = scree_stream_mesh(h.stream, 0, asset, level);
+      assert_true(slot < slots);
+      assert_int_equal(taken[slot]++, 0);
+    }
+  assert_int_equal(scree_stream_mesh(h.stream, 0, assets, 0), UINT32_MAX);
+  assert_int_equal(scree_stream_mesh(h.stream, 0, 0, info.lod_count), UINT32_MAX);
+  assert_int_equal(scree_stream_mesh(h.stream, 1, 0, 0), UINT32_MAX);
+  assert_int_equal(scree_stream_mesh(NULL, 0, 0, 0), UINT32_MAX);
+  free(taken);
+  host_destroy(&h);
+  stream_world_free(&w);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
+      cmocka_unit_test(slots_of_meshes_follow_from_asset_and_level),
       cmocka_unit_test(a_settled_stream_shows_what_the_scene_says),
       cmocka_unit_test(shown_rocks_and_levels_are_the_truth_at_a_thousand_checkpoints),
       cmocka_unit_test(a_view_that_jumps_every_update_passes_no_cap),

@@ -173,6 +173,11 @@ SCREE_API void scree_stream_wait(scree_stream* stream);
 /* Mesh slots are numbered below this. It may grow when a scene brings packs. */
 SCREE_API uint32_t scree_stream_mesh_slots(const scree_stream* stream);
 
+/* The slot of the mesh that instances of a layer draw, by asset and by level of their run: what scree_event_mesh.mesh says when it
+ * comes in, so that a host needs no table. Always the same while a layer uses the pack; UINT32_MAX for what the layer's pack does
+ * not have and for models of the host's own. */
+SCREE_API uint32_t scree_stream_mesh(const scree_stream* stream, uint32_t layer, uint32_t asset, uint32_t level);
+
 typedef struct scree_stream_stats {
   uint32_t instances, blocks, meshes; /* shown, resident */
   uint32_t instances_by_level[8];     /* of rocks; proxies apart */
