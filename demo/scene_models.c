@@ -20,7 +20,7 @@ void scene_models_destroy(scene_models* models) {
 /* The vertices farthest along the 26 directions of a cube's faces, edges and corners, each once. */
 static void measure_hull(scene_model_mesh* m) {
   const painted_mesh* mesh = &m->mesh;
-  uint32_t rows[SCENE_HULL_POINTS];
+  uint32_t rows[SCENE_HULL_POINTS] = {0};
   m->hull_count = 0;
   for (int code = 0; code < 27; ++code) {
     const float d[3] = {(float)(code % 3 - 1), (float)(code / 3 % 3 - 1), (float)(code / 9 - 1)};

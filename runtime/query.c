@@ -82,6 +82,7 @@ static float rounding_margin(const query_run* run) {
 /* No distance of the support is less than this. Thin layers are never so deep that a shell leaves something out. */
 static double deepest_value(const scree_support* support) {
   double stack[SUPPORT_MAX_STACK];
+  stack[0] = -INFINITY;
   uint32_t top = 0;
   for (uint32_t i = 0; i < support->op_count; ++i) {
     const support_op* op = &support->ops[i];

@@ -61,7 +61,7 @@ uint32_t scree_rt_spatial_parts(const scene_layer* layer, const scree_rock* rock
 
 spatial_place scree_rt_spatial_part(const scene_layer* layer, const scree_rock* rock, uint32_t part, const double from[3]) {
   if (layer->given.scatter == NULL) return scree_rt_spatial_place(layer, rock, from);
-  spatial_place place;
+  spatial_place place = {0};
   const double radius = scree_rt_scene_scatter_ball(layer, &rock->id, rock->asset, part, from, place.home, place.centroid);
   place.radius = radius * (1 + 1e-6) + (fabs(place.home[0]) + fabs(place.home[1]) + fabs(place.home[2])) * 1e-14;
   return place;

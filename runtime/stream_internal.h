@@ -284,7 +284,7 @@ struct scree_stream {
   stream_ranges ranges;
   scree_stream_instance* instances;
   scree_id* ids;
-  uint32_t* owners; /* block that is shown, or was, for each unit of ranges; STREAM_NONE: none so far */
+  uint32_t* owners;  /* block that is shown, or was, for each unit of ranges; STREAM_NONE: none so far */
   uint32_t usual[2]; /* instances that seven in eight blocks of rocks, of proxies, have at most: places that are kept for a build */
   stream_wait* waiting;
   uint32_t waiting_count, waiting_next;

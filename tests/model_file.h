@@ -23,7 +23,7 @@ static inline bool model_file_write(const char* path, float foot, float height) 
                    .child_count = 2,
                    .is_root = true};
   for (int half = 0; half < 2; ++half) {
-    float positions[27], normals[27], low[3], high[3];
+    float positions[27], normals[27], low[3] = {0}, high[3] = {0};
     uint16_t indices[9];
     for (int i = 0; i < 9; ++i) {
       const int* face = faces[3 * half + i / 3];
