@@ -280,7 +280,7 @@ static void numbers_that_did_not_come_from_json_are_checked_too(void** state) {
   REFUSED(recipe.ages[1] = (double)NAN, "ages[1]");
   REFUSED(recipe.age_count = 17, "ages");
   REFUSED(recipe.age_count = 0, "ages");
-  REFUSED(recipe.phase_count = 9, "phases");
+  REFUSED(recipe.phase_count = SCREE_HOODOO_PHASES + 1, "phases");
   REFUSED((recipe.phase_count = 1, recipe.phases[0].share = 2), "phases[0].share");
   REFUSED((recipe.phase_count = 1, recipe.phases[0].changes = SCREE_HOODOO_EXPOSURE, recipe.phases[0].rules.exposure = 3),
           "phases[0].exposure");

@@ -19,7 +19,7 @@ extern "C" {
 enum {
   SCREE_HOODOO_POINTS = 32,   /* of a durability graph, at most */
   SCREE_HOODOO_SEGMENTS = 8,  /* of a bubble graph */
-  SCREE_HOODOO_PHASES = 8,    /* of a recipe */
+  SCREE_HOODOO_PHASES = 24,   /* of a recipe: each change by hand is one */
   SCREE_HOODOO_AGES = 16,     /* of a variant */
   SCREE_HOODOO_VARIANTS = 255 /* of a recipe */
 };
