@@ -188,17 +188,10 @@ uint32_t glb_add_material(glb_writer* w, const char* name, const float colour[3]
   return w->material_count - 1;
 }
 
-uint32_t glb_add_mesh(glb_writer* w, const glb_mesh* mesh) {
+static void add_primitive(glb_writer* w, const glb_mesh* mesh) {
   text_buffer* t = &w->meshes;
-  next_item(t, &w->mesh_count);
-  buffer_add(t, "{");
-  if (mesh->name != NULL) {
-    buffer_add(t, "\"name\":");
-    buffer_string(t, mesh->name);
-    buffer_add(t, ",");
-  }
   bool has_colours = mesh->colours != GLB_NONE;
-  buffer_format(t, "\"primitives\":[{\"attributes\":{\"POSITION\":%u,\"NORMAL\":%u", mesh->positions, mesh->normals);
+  buffer_format(t, "{\"attributes\":{\"POSITION\":%u,\"NORMAL\":%u", mesh->positions, mesh->normals);
   if (has_colours) buffer_format(t, ",\"COLOR_0\":%u", mesh->colours);
   buffer_format(t, "},\"indices\":%u", mesh->indices);
   if (mesh->material != GLB_NONE) buffer_format(t, ",\"material\":%u", mesh->material);
@@ -210,7 +203,24 @@ uint32_t glb_add_mesh(glb_writer* w, const glb_mesh* mesh) {
     if (has_colours) buffer_format(t, ",\"COLOR_0\":%u", mesh->colour_id);
     buffer_add(t, "}}}");
   }
-  buffer_add(t, "}]}");
+  buffer_add(t, "}");
+}
+
+uint32_t glb_add_mesh(glb_writer* w, const glb_mesh* mesh) {
+  text_buffer* t = &w->meshes;
+  next_item(t, &w->mesh_count);
+  buffer_add(t, "{");
+  if (mesh->name != NULL) {
+    buffer_add(t, "\"name\":");
+    buffer_string(t, mesh->name);
+    buffer_add(t, ",");
+  }
+  buffer_add(t, "\"primitives\":[");
+  for (const glb_mesh* part = mesh; part != NULL; part = part->also) {
+    if (part != mesh) buffer_add(t, ",");
+    add_primitive(w, part);
+  }
+  buffer_add(t, "]}");
   return w->mesh_count - 1;
 }
 

@@ -60,6 +60,7 @@ typedef struct glb_mesh {
   uint32_t material;                          /* GLB_NONE = none */
   uint32_t blob;                              /* buffer view of Draco bytes, GLB_NONE = none */
   uint32_t position_id, normal_id, colour_id; /* of the attributes in the Draco bytes */
+  const struct glb_mesh* also;                /* one more primitive of this mesh, whose name is not looked at; NULL = none */
 } glb_mesh;
 
 uint32_t glb_add_mesh(glb_writer* writer, const glb_mesh* mesh);

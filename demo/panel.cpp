@@ -1,8 +1,5 @@
 #include "panel.h"
 
-#include <GLFW/glfw3.h>
-#include <backends/imgui_impl_glfw.h>
-#include <backends/imgui_impl_opengl3.h>
 #include <dirent.h>
 #include <imgui.h>
 
@@ -14,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "file.h"
+#include "panel_frame.h"
 #include "stage.h"
 #include "view_options.h"
 
@@ -26,28 +23,6 @@ struct panel {
 };
 
 namespace {
-
-const char* const kFont = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
-
-void style() {
-  ImGuiStyle& s = ImGui::GetStyle();
-  ImGui::StyleColorsDark(&s);
-  s.WindowRounding = 6;
-  s.FrameRounding = 4;
-  s.GrabRounding = 4;
-  s.WindowBorderSize = 0;
-  s.Colors[ImGuiCol_WindowBg] = ImVec4(0.09f, 0.10f, 0.11f, 0.90f);
-  s.Colors[ImGuiCol_TitleBgActive] = ImVec4(0.20f, 0.22f, 0.24f, 1.0f);
-  const ImVec4 warm(0.70f, 0.52f, 0.24f, 1.0f);
-  s.Colors[ImGuiCol_CheckMark] = s.Colors[ImGuiCol_SliderGrab] = s.Colors[ImGuiCol_SliderGrabActive] = warm;
-  s.Colors[ImGuiCol_Header] = ImVec4(0.42f, 0.33f, 0.18f, 0.75f);
-  s.Colors[ImGuiCol_HeaderHovered] = ImVec4(0.48f, 0.38f, 0.22f, 0.85f);
-  s.Colors[ImGuiCol_HeaderActive] = warm;
-  s.Colors[ImGuiCol_Button] = ImVec4(0.24f, 0.26f, 0.28f, 1.0f);
-  s.Colors[ImGuiCol_ButtonHovered] = ImVec4(0.36f, 0.33f, 0.27f, 1.0f);
-  s.Colors[ImGuiCol_ButtonActive] = warm;
-  s.Colors[ImGuiCol_FrameBg] = ImVec4(0.18f, 0.19f, 0.21f, 1.0f);
-}
 
 // Names of the packs in the folder, without their ending.
 void read_packs(panel* p, const char* folder) {
@@ -466,10 +441,6 @@ void main_window(panel* p, panel_view* v, panel_wishes* wishes) {
   ImGui::End();
 }
 
-const ImGuiWindowFlags kPlain = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize |
-                                ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav |
-                                ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoInputs;
-
 void figures_window(const panel_view* v) {
   const ImGuiViewport* viewport = ImGui::GetMainViewport();
   ImGui::SetNextWindowPos(ImVec2(viewport->WorkPos.x + 10, viewport->WorkPos.y + 10));
@@ -488,71 +459,17 @@ void figures_window(const panel_view* v) {
   ImGui::End();
 }
 
-void help_window(panel_view* v) {
-  const ImGuiViewport* viewport = ImGui::GetMainViewport();
-  ImGui::SetNextWindowPos(
-      ImVec2(viewport->WorkPos.x + viewport->WorkSize.x * 0.5f, viewport->WorkPos.y + viewport->WorkSize.y * 0.5f),
-      ImGuiCond_Always, ImVec2(0.5f, 0.5f));
-  if (ImGui::Begin("Keys", &v->help,
-                   ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoCollapse |
-                       ImGuiWindowFlags_AlwaysAutoResize)) {
-    // Two columns by position: the words of view_keys are aligned with blanks, which a proportional font does not keep.
-    for (const char* line = view_keys; *line != 0;) {
-      const std::string text(line, std::strcspn(line, "\n"));
-      const size_t gap = text.find("  ", 2);
-      ImGui::TextUnformatted(text.substr(0, gap).c_str());
-      if (gap != std::string::npos) {
-        ImGui::SameLine(150);
-        ImGui::TextUnformatted(text.substr(text.find_first_not_of(' ', gap)).c_str());
-      }
-      line += text.size() + 1;
-    }
-  }
-  ImGui::End();
-}
-
-void message_window(const panel_view* v) {
-  const ImGuiViewport* viewport = ImGui::GetMainViewport();
-  ImGui::SetNextWindowPos(ImVec2(viewport->WorkPos.x + 10, viewport->WorkPos.y + viewport->WorkSize.y - 10), ImGuiCond_Always,
-                          ImVec2(0, 1));
-  ImGui::SetNextWindowBgAlpha(0.75f);
-  if (ImGui::Begin("##message", nullptr, kPlain)) {
-    if (v->message_is_error)
-      ImGui::TextColored(ImVec4(1.0f, 0.55f, 0.40f, 1.0f), "%s", v->message);
-    else
-      ImGui::TextUnformatted(v->message);
-  }
-  ImGui::End();
-}
-
 }  // namespace
 
 panel* panel_create(GLFWwindow* window) {
   panel* p = new (std::nothrow) panel();
-  if (p == nullptr) return nullptr;
-  p->context = ImGui::CreateContext();
-  ImGuiIO& io = ImGui::GetIO();
-  io.IniFilename = nullptr;  // leaves no file behind
-  float scale_x = 1, scale_y = 1;
-  glfwGetWindowContentScale(window, &scale_x, &scale_y);
-  if (file_exists(kFont)) io.Fonts->AddFontFromFileTTF(kFont, std::floor(14 * scale_x));
-  style();
-  ImGui::GetStyle().ScaleAllSizes(scale_x);
-  ImGui_ImplGlfw_InitForOpenGL(window, true);
-  ImGui_ImplOpenGL3_Init("#version 330 core");
-  // A first, empty frame: the questions below may be asked before the first picture.
-  ImGui_ImplOpenGL3_NewFrame();
-  ImGui_ImplGlfw_NewFrame();
-  ImGui::NewFrame();
-  ImGui::EndFrame();
+  if (p != nullptr) p->context = panel_frame_create(window);
   return p;
 }
 
 void panel_destroy(panel* p) {
   if (p == nullptr) return;
-  ImGui_ImplOpenGL3_Shutdown();
-  ImGui_ImplGlfw_Shutdown();
-  ImGui::DestroyContext(p->context);
+  panel_frame_destroy(p->context);
   delete p;
 }
 
@@ -565,17 +482,14 @@ bool panel_wants_keys(const panel*) {
 
 void panel_draw(panel* p, panel_view* view, panel_wishes* wishes) {
   *wishes = {};
-  ImGui_ImplOpenGL3_NewFrame();
-  ImGui_ImplGlfw_NewFrame();
-  ImGui::NewFrame();
+  panel_frame_begin();
   if (view->panel) main_window(p, view, wishes);
   if (view->figures) figures_window(view);
-  if (view->help) help_window(view);
-  if (view->message[0] != 0) message_window(view);
+  if (view->help) panel_keys(view_keys, &view->help);
+  panel_message(view->message, view->message_is_error);
   if (p->edited && !ImGui::IsAnyItemActive()) {
     edit_commit(view->edit);
     p->edited = false;
   }
-  ImGui::Render();
-  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+  panel_frame_end();
 }

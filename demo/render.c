@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "render_cache.h"
+#include "render_free.h"
 #include "render_lights.h"
 #include "render_list.h"
 #include "render_programs.h"
@@ -54,6 +55,7 @@ struct render {
   uint32_t frame_buffer, instance_buffer, command_buffer;
   uint32_t empty_array, segment_array, segment_buffer;
   render_solid ground, terrain;
+  render_free free_mesh;
   render_stone* stones;
   uint8_t* levels; /* of each stone in the camera's view */
   uint32_t stone_count;
@@ -114,6 +116,7 @@ scree_result render_create(const render_desc* desc, render** out, scree_error* e
   render_cache_create(&r->cache, r->instance_buffer, &desc->jobs);
   render_solid_create(&r->ground);
   render_solid_create(&r->terrain);
+  render_free_create(&r->free_mesh);
   segments_create(r);
   scree_result result = render_programs_create(&r->programs, error);
   if (result == SCREE_OK) {
@@ -148,6 +151,7 @@ void render_destroy(render* r) {
   render_shadows_destroy(&r->shadows);
   render_solid_destroy(&r->ground);
   render_solid_destroy(&r->terrain);
+  render_free_destroy(&r->free_mesh);
   const GLuint textures[] = {r->noise, r->detail};
   const GLuint buffers[] = {r->instance_buffer, r->command_buffer, r->frame_buffer, r->segment_buffer};
   const GLuint arrays[] = {r->empty_array, r->segment_array};
@@ -220,6 +224,18 @@ scree_result render_set_terrain(render* r, const float* positions, const float* 
   return render_solid_fill(&r->terrain, positions, normals, vertex_count, indices, index_count);
 }
 
+scree_result render_set_free_mesh(render* r, const render_vertex* vertices, uint32_t vertex_count, const uint32_t* indices,
+                                  uint32_t index_count, render_look look, const uint8_t colour[3]) {
+  if (look != RENDER_LOOK_HOODOO && look != RENDER_LOOK_PAINTED) return SCREE_ERROR_INVALID_ARGUMENT;
+  r->last.width = 0;
+  r->free_mesh.look = look;
+  memcpy(r->free_mesh.colour, colour, sizeof r->free_mesh.colour);
+  const scree_result result = render_free_fill(&r->free_mesh, vertices, vertex_count, indices, index_count);
+  r->stats.free_triangles = r->free_mesh.index_count / 3;
+  r->stats.free_sent = r->free_mesh.sent;
+  return result;
+}
+
 /* --- Preparing a picture --- */
 
 void render_picture_init(render_picture* p) {
@@ -254,9 +270,11 @@ static void prepare_camera(render* r, const render_picture* p) {
 
   /* The near plane as far out as the scene allows: depth is finer then. */
   float closest = INFINITY, extent = 1;
-  const float* boxes[2][2] = {{r->stones_min, r->stones_max}, {r->terrain.min, r->terrain.max}};
-  for (int b = 0; b < 2; ++b) {
-    if (b == 0 ? r->stone_count == 0 : r->terrain.index_count == 0) continue;
+  const float* boxes[3][2] = {
+      {r->stones_min, r->stones_max}, {r->terrain.min, r->terrain.max}, {r->free_mesh.min, r->free_mesh.max}};
+  const uint32_t present[3] = {r->stone_count, r->terrain.index_count, r->free_mesh.index_count};
+  for (int b = 0; b < 3; ++b) {
+    if (present[b] == 0) continue;
     float away = 0;
     for (int a = 0; a < 3; ++a) {
       float outside = fmaxf(fmaxf(boxes[b][0][a] - p->eye[a], p->eye[a] - boxes[b][1][a]), 0);
@@ -303,20 +321,25 @@ static void prepare_sun(render* r, const render_picture* p) {
   f->ground_colour[3] = p->ground_sand ? 1 : 0;
 
   r->cascade_count = 0;
-  if (!p->shadows_off && r->stone_count > 0) {
+  if (!p->shadows_off && (r->stone_count > 0 || r->free_mesh.index_count > 0)) {
     render_cascade_desc desc = {.size = r->shadows.size, .pixel = f->eye[3], .count = p->draft ? 1 : RENDER_CASCADES};
     memcpy(desc.sun, f->sun, sizeof desc.sun);
     memcpy(desc.eye, f->eye, sizeof desc.eye);
     memcpy(desc.forward, f->forward, sizeof desc.forward);
     memcpy(desc.right, f->right, sizeof desc.right);
     memcpy(desc.up, f->up, sizeof desc.up);
-    memcpy(desc.casters_min, r->stones_min, sizeof desc.casters_min);
-    memcpy(desc.casters_max, r->stones_max, sizeof desc.casters_max);
-    if (r->terrain.index_count > 0)
+    for (int a = 0; a < 3; ++a) {
+      desc.casters_min[a] = r->stone_count > 0 ? r->stones_min[a] : INFINITY;
+      desc.casters_max[a] = r->stone_count > 0 ? r->stones_max[a] : -INFINITY;
+    }
+    const float* more[2][2] = {{r->terrain.min, r->terrain.max}, {r->free_mesh.min, r->free_mesh.max}};
+    for (int i = 0; i < 2; ++i) {
+      if ((i == 0 ? r->terrain.index_count : r->free_mesh.index_count) == 0) continue;
       for (int a = 0; a < 3; ++a) {
-        desc.casters_min[a] = fminf(desc.casters_min[a], r->terrain.min[a]);
-        desc.casters_max[a] = fmaxf(desc.casters_max[a], r->terrain.max[a]);
+        desc.casters_min[a] = fminf(desc.casters_min[a], more[i][0][a]);
+        desc.casters_max[a] = fmaxf(desc.casters_max[a], more[i][1][a]);
       }
+    }
     r->cascade_count = render_fit_cascades(&desc, r->cascades);
   }
   f->mode[2] = (int32_t)r->cascade_count;
@@ -449,6 +472,12 @@ static void draw_list(render* r, const render_list* list, uint32_t first_command
   glBindVertexArray(0);
 }
 
+static void draw_free_mesh(const render* r, uint32_t extra_tags) {
+  if (r->free_mesh.index_count == 0) return;
+  use_program_of(r, r->free_mesh.look, extra_tags);
+  render_free_draw(&r->free_mesh, KIND_MODEL | render_pack_size(1) << 16);
+}
+
 static void draw_shadows(render* r) {
   glBindFramebuffer(GL_FRAMEBUFFER, r->shadows.frame);
   glViewport(0, 0, (GLsizei)r->shadows.size, (GLsizei)r->shadows.size);
@@ -466,6 +495,7 @@ static void draw_shadows(render* r) {
     glUniformMatrix4fv(r->programs.caster_clip, 1, GL_FALSE, clip);
     draw_list(r, &r->cascade_lists[c], first_command, CASTERS);
     render_solid_draw(&r->terrain);
+    render_free_draw(&r->free_mesh, 0);
     first_command += r->cascade_lists[c].command_count;
   }
 }
@@ -532,6 +562,7 @@ static void draw_surfaces(render* r, const render_picture* p) {
   glClearBufferfv(GL_DEPTH, 0, &farthest);
   bind_texture(RENDER_UNIT_NOISE, GL_TEXTURE_3D, r->noise);
   draw_list(r, &r->view_list, 0, 0);
+  draw_free_mesh(r, 0);
   glUseProgram(r->programs.solid);
   glUniform1ui(r->programs.solid_extra_tags, 0);
   glUniform1ui(r->programs.solid_tags, KIND_TERRAIN);
@@ -545,6 +576,7 @@ static void draw_surfaces(render* r, const render_picture* p) {
     glEnable(GL_POLYGON_OFFSET_LINE);
     glPolygonOffset(-1, -2);
     draw_list(r, &r->view_list, 0, TAG_WIRE);
+    draw_free_mesh(r, TAG_WIRE);
     glDisable(GL_POLYGON_OFFSET_LINE);
     glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
   }

@@ -115,6 +115,8 @@ typedef struct render_stats {
   uint32_t meshes_missing; /* wanted and not yet decoded */
   uint32_t samples;        /* gathered so far */
   bool indirect;           /* glMultiDrawElementsIndirect is used */
+  uint32_t free_triangles; /* of the free mesh */
+  uint64_t free_sent;      /* bytes of it that its last change sent to the GPU */
 } render_stats;
 
 typedef struct render_desc {
@@ -139,6 +141,20 @@ scree_result render_set_stones(render* r, const render_stone* stones, uint32_t c
  * triangle, counter-clockwise from outside. A count of 0 takes it away. */
 scree_result render_set_terrain(render* r, const float* positions, const float* normals, uint32_t vertex_count,
                                 const uint32_t* indices, uint32_t index_count);
+
+/* A vertex of the free mesh. */
+typedef struct render_vertex {
+  float position[3];  /* metres */
+  float normal[3];    /* unit */
+  float occlusion;    /* 1 = in the open */
+  uint8_t surface[4]; /* HOODOO: material and bed, durability, curvature as in scree_vertex, 0; PAINTED: sRGB, 0 */
+} render_vertex;
+
+/* One mesh that may change with every picture, for instance what is being weathered; only what differs from the one before is sent
+ * to the GPU. look: HOODOO or PAINTED. colour: sRGB, of HOODOO. A count of 0 takes it away. Returns SCREE_OK, INVALID_ARGUMENT (an
+ * index or a look that cannot be) or OUT_OF_MEMORY. */
+scree_result render_set_free_mesh(render* r, const render_vertex* vertices, uint32_t vertex_count, const uint32_t* indices,
+                                  uint32_t index_count, render_look look, const uint8_t colour[3]);
 
 /* Draws into the renderer's framebuffer. Returns SCREE_OK, INVALID_ARGUMENT or OUT_OF_MEMORY. */
 scree_result render_draw(render* r, const render_picture* picture);

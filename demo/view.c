@@ -9,6 +9,10 @@
 #include "stage.h"
 #include "timer.h"
 #include "view_options.h"
+#ifdef SCREE_WITH_BAKE
+#include "weather_session.h"
+#include "weather_view.h"
+#endif
 #include "window.h"
 
 static int fail(scree_result result, const char* message) {
@@ -93,13 +97,32 @@ static int run_headless(const view_options* options, const scene_model* scene, c
   return status;
 }
 
+/* The scene that is given may be a recipe to weather. Returns -1 to go on, else the exit status. */
+static int weathers(view_options* options) {
+#ifdef SCREE_WITH_BAKE
+  if (options->weather == NULL && weather_recipe_is(options->paths.scene)) view_options_weather(options);
+#else
+  if (options->weather != NULL) return fail(SCREE_ERROR_UNSUPPORTED, "--weather: this build was made without the baker");
+#endif
+  return view_options_check(options);
+}
+
+static int show(const view_options* options, scene_model* scene, const scree_jobs* jobs) {
+#ifdef SCREE_WITH_BAKE
+  if (options->weather != NULL) return weather_view_run(options, jobs);
+#endif
+  return options->headless ? run_headless(options, scene, jobs) : window_run(options, scene, jobs);
+}
+
 int main(int count, char** arguments) {
   view_options options;
   int status = view_options_parse(count, arguments, &options);
   if (status >= 0) return status;
-  scene_model scene;
+  status = weathers(&options);
+  if (status >= 0) return status;
+  scene_model scene = {0};
   scree_error error = {""};
-  scree_result result = scene_load(options.paths.scene, &scene, &error);
+  scree_result result = options.weather == NULL ? scene_load(options.paths.scene, &scene, &error) : SCREE_OK;
   if (result != SCREE_OK) return fail(result, error.message);
   if (options.headless) result = file_replace_check(options.screenshot, &error);
   const bool logs_to_file = options.log != NULL && strcmp(options.log, "-") != 0;
@@ -111,7 +134,7 @@ int main(int count, char** arguments) {
     return fail(result, error.message);
   }
   const scree_jobs jobs = scree_threads_jobs(pool);
-  status = options.headless ? run_headless(&options, &scene, &jobs) : window_run(&options, &scene, &jobs);
+  status = show(&options, &scene, &jobs);
   scree_threads_destroy(pool);
   scene_destroy(&scene);
   return status;

@@ -9,8 +9,10 @@
 static const char usage[] =
     "Usage: scree-view SCENE.json [options]\n"
     "       scree-view SCENE.json --headless --screenshot FILE.png [options]\n"
+    "       scree-view HOODOO.json [options]\n"
     "\n"
-    "Shows a scene in a window to fly through and edit, or draws one picture of it without a display.\n"
+    "Shows a scene in a window to fly through and edit, or draws one picture of it without a display. A recipe of a hoodoo\n"
+    "(\"kind\": \"hoodoo\") is weathered instead, by hand: with graphs of durability and bubbles, forwards and back in time.\n"
     "\n"
     "      --packs DIR       where packs that are named without a path lie; default: " SCENE_DEFAULT_PACKS
     "\n"
@@ -26,7 +28,11 @@ static const char usage[] =
     "                        picture and takes longer; default: visible\n"
     "      --lod L           one level of detail for every stone, 0 is the finest; default: what each needs on the screen\n"
     "      --pixel-error X   pixels between two levels, at most, when one is chosen, 0.05..50; default: 2\n"
-    "      --colour WHAT     stone, or what tells: lod (level of detail) or tile (code of the corner cube)\n"
+    "      --colour WHAT     stone, or what tells: lod (level of detail) or tile (code of the corner cube); of a recipe\n"
+    "                        durability or curvature\n"
+    "      --weather FILE    weather this recipe, without a look at its kind\n"
+    "      --variant N       the variant of the recipe, from 0; default: 0\n"
+    "      --steps N         steps to take before the first picture, 0..1000000; default: 0\n"
     "      --wireframe       draw the edges of the meshes as well\n"
     "      --no-indirect     draw with what OpenGL 3.3 has, even where there is more\n"
     "      --no-panel        start the window without its panel\n"
@@ -56,6 +62,26 @@ const char view_keys[] =
     "Esc              select nothing\n"
     "Ctrl+Q           quit\n";
 
+const char weather_keys[] =
+    "Space            play or pause\n"
+    "Right, Left      one step on, one step back\n"
+    "Backspace        back to the start\n"
+    "drag in a graph  move a point of durability, a border of bubbles\n"
+    "  click a line   a new point; right click: noise, or remove it\n"
+    "K                keep this age\n"
+    "Ctrl+S           save the recipe\n"
+    "E                export the surface as .glb\n"
+    "PgUp, PgDn       another variant\n"
+    "1 2 3            colour: stone, durability, curvature\n"
+    "G                wireframe\n"
+    "left drag        orbit\n"
+    "middle drag      pan\n"
+    "wheel            nearer, farther\n"
+    "Home             the first view\n"
+    "P                save the picture\n"
+    "Tab, F1, F3      panel, help, figures\n"
+    "Ctrl+Q           quit\n";
+
 static int complain(const char* what, const char* why) {
   fprintf(stderr, "scree-view: %s: %s\n", what, why);
   return 2;
@@ -72,15 +98,22 @@ static bool size(const char* text, view_options* out) {
   return true;
 }
 
-static int show_help(void) {
-  fputs(usage, stdout);
-  printf("In the window:\n");
-  for (const char* line = view_keys; *line != 0;) {
+static void print_keys(const char* title, const char* keys) {
+  printf("%s:\n", title);
+  for (const char* line = keys; *line != 0;) {
     size_t length = strcspn(line, "\n");
     printf("  %.*s\n", (int)length, line);
     line += length + 1;
   }
-  printf("\nExit status: 0 done, 1 the machine failed (memory, disk, no OpenGL), 2 a mistake in the arguments or the scene.\n");
+}
+
+static int show_help(void) {
+  fputs(usage, stdout);
+  print_keys("In the window", view_keys);
+  print_keys("\nWhile a recipe weathers", weather_keys);
+  printf(
+      "\nExit status: 0 done, 1 the machine failed (memory, disk, no OpenGL), 2 a mistake in the arguments, the scene or the "
+      "recipe.\n");
   return 0;
 }
 
@@ -90,6 +123,7 @@ int view_options_parse(int count, char** arguments, view_options* out) {
   out->height = 720;
   out->lod = -1;
   const char *size_text = NULL, *eye = NULL, *samples = NULL, *lod = NULL, *pixel_error = NULL, *colour = NULL, *rocks = "visible";
+  const char *variant = NULL, *steps = NULL;
   bool help = false, version = false;
   const argument known[] = {
       {"--packs", NULL, &out->paths.packs, NULL},
@@ -103,6 +137,9 @@ int view_options_parse(int count, char** arguments, view_options* out) {
       {"--lod", NULL, &lod, NULL},
       {"--pixel-error", NULL, &pixel_error, NULL},
       {"--colour", NULL, &colour, NULL},
+      {"--weather", NULL, &out->weather, NULL},
+      {"--variant", NULL, &variant, NULL},
+      {"--steps", NULL, &steps, NULL},
       {"--headless", NULL, NULL, &out->headless},
       {"--wireframe", NULL, NULL, &out->wireframe},
       {"--no-indirect", NULL, NULL, &out->no_indirect},
@@ -124,7 +161,9 @@ int view_options_parse(int count, char** arguments, view_options* out) {
   out->has_camera = eye != NULL;
   uint32_t level;
   if ((samples != NULL && !arguments_number("--samples", samples, 1, 256, &out->samples, &error)) ||
-      (lod != NULL && !arguments_number("--lod", lod, 0, RENDER_LODS - 1, &level, &error))) {
+      (lod != NULL && !arguments_number("--lod", lod, 0, RENDER_LODS - 1, &level, &error)) ||
+      (variant != NULL && !arguments_number("--variant", variant, 0, 254, &out->variant, &error)) ||
+      (steps != NULL && !arguments_number("--steps", steps, 0, 1000000, &out->steps, &error))) {
     fprintf(stderr, "scree-view: %s\n", error.message);
     return 2;
   }
@@ -138,14 +177,35 @@ int view_options_parse(int count, char** arguments, view_options* out) {
       return complain(pixel_error, "--pixel-error takes a number from 0.05 to 50");
   }
   if (colour != NULL) {
-    static const char* const words[] = {"stone", "lod", "tile"};
+    static const char* const words[] = {"stone", "lod", "tile", "durability", "curvature"};
     int i = 0;
-    while (i < 3 && strcmp(colour, words[i]) != 0) ++i;
-    if (i == 3) return complain(colour, "--colour takes stone, lod or tile");
-    out->colour = (render_colour)i;
+    while (i < 5 && strcmp(colour, words[i]) != 0) ++i;
+    if (i == 5) return complain(colour, "--colour takes stone, lod or tile, and with a recipe stone, durability or curvature");
+    if (i < 3)
+      out->colour = (render_colour)i;
+    else
+      out->paint = (weather_colour)(i - 2);
+    out->tells_levels = i == 1 || i == 2;
+    out->tells_weather = i > 2;
   }
-  if (scenes == 0) return complain("no scene", "see --help");
+  if (scenes > 0 && out->weather != NULL) return complain(out->paths.scene, "--weather takes the place of a scene");
+  if (scenes == 0 && out->weather == NULL) return complain("no scene", "see --help");
   if (out->headless && out->screenshot == NULL) return complain("--headless", "give --screenshot FILE.png; see --help");
+  return -1;
+}
+
+void view_options_weather(view_options* options) {
+  options->weather = options->paths.scene;
+}
+
+int view_options_check(const view_options* options) {
+  const char* file = options->weather != NULL ? options->weather : options->paths.scene;
+  if (options->weather != NULL && options->tells_levels)
+    return complain(file, "a recipe is coloured by stone, durability or curvature, see --colour");
+  if (options->weather == NULL && options->tells_weather)
+    return complain(file, "a scene is coloured by stone, lod or tile, see --colour");
+  if (options->weather == NULL && (options->steps > 0 || options->variant > 0))
+    return complain(file, "--steps and --variant are for recipes of hoodoos");
   return -1;
 }
 
