@@ -104,8 +104,7 @@ int main(int argument_count, char** arguments) {
   const scree_shape shapes[] = {{.kind = SCREE_SHAPE_NOISE, .noise = {.child = 1, .amplitude = 12, .wavelength = 90, .octaves = 3}},
                                 {.kind = SCREE_SHAPE_HALF_SPACE}};
   scree_support* hills;
-  check(scree_support_create(&(scree_support_desc){.shapes = shapes, .shape_count = 2}, NULL, &hills, NULL) == SCREE_OK,
-        "no hills");
+  check(scree_support_create(&(scree_support_desc){.shapes = shapes, .shape_count = 2}, NULL, &hills, NULL) == SCREE_OK, "no hill");
   const scree_layer layer = {.field = field, .support = hills, .shell_depth = 2.5f};
   scree_scene* scene;
   check(scree_scene_create(&(scree_scene_desc){.layers = &layer, .layer_count = 1}, NULL, &scene, NULL) == SCREE_OK, "no scene");

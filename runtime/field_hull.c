@@ -18,12 +18,13 @@ static void split_points(const void* xyz, bool narrow, uint32_t count, float* x,
 
 uint32_t scree_rt_field_hull(const scree_field* field, uint32_t asset, float* x, float* y, float* z) {
   const scree_pack* pack = field->pack;
-  if (pack != NULL) { /* used in place; scree_field_create has looked at every hull */
+  if (pack != NULL) { /* used in place; scree_field_create has looked at every hull, but a mapped file may have changed since */
     const pack_asset* record = &pack->assets[asset];
     const bool narrow = pack->narrow_hulls;
-    split_points(pack->hulls + (narrow ? 3 : 3 * sizeof(int16_t)) * (size_t)record->first_hull, narrow, record->hull_count, x, y,
-                 z);
-    return record->hull_count;
+    const uint32_t first = record->first_hull, points = record->hull_count;
+    if (points > FIELD_MAX_HULL || first > pack->hull_count || points > pack->hull_count - first) return 0;
+    split_points(pack->hulls + (narrow ? 3 : 3 * sizeof(int16_t)) * (size_t)first, narrow, points, x, y, z);
+    return points;
   }
   if (field->hull_first == NULL) return 0;
   uint32_t count = field->hull_first[asset + 1] - field->hull_first[asset];

@@ -102,7 +102,8 @@ static scree_result open_bytes(scree_pack* pack) {
   const size_t seen = pack->size < PACK_MAGIC_SIZE ? pack->size : PACK_MAGIC_SIZE;
   if (seen > 0 && memcmp(pack->bytes, PACK_MAGIC, seen) != 0) return SCREE_ERROR_NOT_A_PACK;
   if (pack->size < sizeof(pack_header)) return SCREE_ERROR_TRUNCATED;
-  const pack_header* header = pack->header = (const pack_header*)(const void*)pack->bytes;
+  memcpy(&pack->first_bytes, pack->bytes, sizeof pack->first_bytes);
+  const pack_header* header = pack->header = &pack->first_bytes;
   if (header->format_version != PACK_FORMAT_VERSION) return SCREE_ERROR_VERSION;
   if (header->header_check != scree_rt_pack_header_check(header)) return SCREE_ERROR_DIGEST;
   if (header->file_size > pack->size) return SCREE_ERROR_TRUNCATED;

@@ -14,7 +14,8 @@ struct scree_pack {
   mapped_file file; /* empty when the bytes are the caller's */
   const uint8_t* bytes;
   size_t size;
-  const pack_header* header;
+  const pack_header* header;                        /* first_bytes */
+  pack_header first_bytes;                          /* a copy: what bounds the arrays holds even if the bytes change */
   const pack_section* sections[PACK_SECTION_KINDS]; /* by kind - 1; NULL for those that only models have */
 
   const char* recipe;

@@ -368,6 +368,8 @@ bool scree_rt_stream_mesh_ask(scree_stream* stream, uint32_t pack, uint32_t asse
 void scree_rt_stream_meshes_recount(scree_stream* stream);
 /* Sends coarsest meshes and what has been decoded; lets go of what is unused where room is short. */
 void scree_rt_stream_meshes_send(scree_stream* stream);
+/* Whether the pack still says of a mesh what it said when the stream was made: its bytes may have changed since. */
+bool scree_rt_stream_mesh_fits(const scree_pack* pack, uint32_t asset, uint32_t level, const stream_mesh* mesh);
 /* Whether the coarsest meshes of what nodes of a layer and level show are all in. */
 bool scree_rt_stream_coarsest_are_in(const scree_stream* stream, uint32_t layer, uint32_t level);
 

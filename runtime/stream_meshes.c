@@ -153,9 +153,16 @@ static void say_broken(const scree_stream* s, uint32_t asset, uint32_t level, sc
 
 /* --- coarsest meshes -------------------------------------------------------------------------------------------------------- */
 
+bool scree_rt_stream_mesh_fits(const scree_pack* pack, uint32_t asset, uint32_t level, const stream_mesh* mesh) {
+  scree_lod lod;
+  return scree_pack_get_lod(pack, asset, level, &lod) == SCREE_OK && lod.vertices == mesh->vertices &&
+         lod.triangles == mesh->triangles;
+}
+
 static scree_result read_coarsest(const scree_stream* s, const stream_pack* p, uint32_t asset, scree_vertex* vertices,
                                   uint16_t* indices) {
   const stream_mesh* mesh = &s->meshes[stream_mesh_slot(p, asset, p->levels - 1)];
+  if (!scree_rt_stream_mesh_fits(p->pack, asset, p->levels - 1, mesh)) return SCREE_ERROR_CORRUPT;
   return scree_pack_coarse_mesh(p->pack, asset, vertices, mesh->vertices, indices, (size_t)mesh->triangles * 3);
 }
 

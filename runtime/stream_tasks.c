@@ -213,6 +213,8 @@ static void run_decode(stream_task* task) {
   const stream_mesh* mesh = &s->meshes[d->mesh];
   d->result = s->desc.decode(s->packs[d->pack].pack, d->asset, d->level, d->vertices, mesh->vertices, d->indices,
                              (size_t)mesh->triangles * 3);
+  if (d->result == SCREE_OK && !scree_rt_stream_mesh_fits(s->packs[d->pack].pack, d->asset, d->level, mesh))
+    d->result = SCREE_ERROR_CORRUPT;
 }
 
 bool scree_rt_stream_decode_start(scree_stream* s, uint32_t pack, uint32_t asset, uint32_t level) {

@@ -4,6 +4,8 @@
 # Ends with status 77 when the machine lacks what it needs.
 set -euo pipefail
 bin=$1 recipe=$2 work=$3
+lines=$(wc -l <"$(dirname "${BASH_SOURCE[0]}")/../demo/example_stream.c")
+((lines <= 150)) || { echo "example_stream.c has $lines lines, not at most 150" && exit 1; }
 command -v xvfb-run >/dev/null || exit 77
 rm -rf "$work" && mkdir -p "$work" && cd "$work"
 

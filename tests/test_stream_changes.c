@@ -10,6 +10,8 @@
 /* after the four above */
 #include <cmocka.h>
 
+#include <scree/draco.h>
+
 #include "failing_allocator.h"
 #include "rounds.h"
 #include "scene_internal.h"
@@ -22,6 +24,7 @@ enum { LAYERS = 3, BALLS = 6 };
 /* A scene of three layers of two packs, each of some balls that can be moved. */
 typedef struct changing_world {
   uint8_t* bytes[2];
+  size_t sizes[2];
   scree_pack* packs[2];
   scree_field* fields[LAYERS];
   scree_shape shapes[LAYERS][BALLS + 1];
@@ -58,9 +61,8 @@ static void world_make(changing_world* w, random_stream* r) {
   static const uint32_t children[] = {1, 2, 3, 4, 5, 6};
   memset(w, 0, sizeof *w);
   for (uint32_t i = 0; i < 2; ++i) {
-    size_t size;
-    w->bytes[i] = stream_pack_make(false, 3, i + 1, &size);
-    assert_int_equal(scree_pack_open_memory(w->bytes[i], size, NULL, &w->packs[i]), SCREE_OK);
+    w->bytes[i] = stream_pack_make(false, 3, i + 1, &w->sizes[i]);
+    assert_int_equal(scree_pack_open_memory(w->bytes[i], w->sizes[i], NULL, &w->packs[i]), SCREE_OK);
   }
   w->layer_count = LAYERS;
   for (uint32_t k = 0; k < LAYERS; ++k) {
@@ -379,7 +381,64 @@ static void a_scene_that_does_not_fit_changes_nothing(void** state) {
   world_free(&w);
 }
 
-/* Under caps that all bind; the host checks every event against them. scree-bench-stream does the same a million times. */
+/* A flight over what is left of packs: meshes that come in are sound, and rays and hulls end. Returns how many blocks came. */
+static uint32_t fly_over_ruins(const changing_world* w, scree_stream* stream, random_stream* r, double* time) {
+  scree_scratch* scratch;
+  assert_int_equal(scree_scratch_create(NULL, &scratch), SCREE_OK);
+  uint32_t blocks = 0;
+  for (int i = 0; i < 60; ++i) {
+    scree_view view = host_view(random_in(r, -25, 25), random_in(r, -25, 25), random_in(r, -25, 25));
+    const scree_event* events;
+    uint32_t count;
+    scree_stream_wait(stream);
+    assert_int_equal(scree_stream_update(stream, &view, 1, *time += 0.1, &events, &count), SCREE_OK);
+    for (uint32_t k = 0; k < count; ++k) {
+      const scree_event_mesh* mesh = &events[k].mesh;
+      blocks += events[k].kind == SCREE_EVENT_BLOCK_IN;
+      for (uint32_t v = 0; events[k].kind == SCREE_EVENT_MESH_IN && v < mesh->index_count; ++v)
+        assert_true(mesh->indices[v] < mesh->vertex_count);
+    }
+    const double down[3] = {random_in(r, -1, 1), -1, random_in(r, -1, 1)};
+    bool found;
+    scree_hit hit;
+    scree_rock near[8];
+    uint64_t rocks;
+    assert_int_equal(scree_scene_ray_cast(w->scene, w->edits, scratch, view.position, down, 50, &found, &hit), SCREE_OK);
+    scree_result result = scree_scene_near(w->scene, w->edits, scratch, view.position, 1, 2, view.position, near, 8, &rocks);
+    assert_true(result == SCREE_OK || result == SCREE_ERROR_CAPACITY);
+  }
+  scree_scratch_destroy(scratch);
+  return blocks;
+}
+
+/* A file that is cut or written over while it is mapped: its bytes are others from one update to the next. */
+static void packs_that_go_bad_under_a_stream_cost_meshes_and_nothing_else(void** state) {
+  (void)state;
+  for (uint32_t round = 0; round < 12; ++round) {
+    random_stream r = {round};
+    changing_world w;
+    world_make(&w, &r);
+    scree_stream_desc desc = describe(&w);
+    desc.decode = scree_draco_decode_u16;
+    failing_allocator memory = {.fail_at = -1};
+    const scree_allocator allocator = failing_allocator_of(&memory);
+    scree_stream* stream;
+    assert_int_equal(scree_stream_create(&desc, &allocator, &stream, NULL), SCREE_OK);
+    double time = 0;
+    if (round % 2) fly_over_ruins(&w, stream, &r, &time); /* they are still whole */
+    for (uint32_t i = 0; i < 2; ++i)
+      for (size_t k = 0; k < w.sizes[i]; ++k)
+        if (round < 8 || random_below(&r, 50) == 0)
+          w.bytes[i][k] = round < 2 ? 0 : round < 4 ? 255 : round < 6 ? 63 : (uint8_t)random_below(&r, 256);
+    assert_true(fly_over_ruins(&w, stream, &r, &time) > 0);
+    scree_stream_destroy(stream);
+    assert_int_equal(memory.live, 0);
+    world_free(&w);
+  }
+}
+
+/* Under caps that all bind; the host checks every event against them. Over a mountain, and as long as one likes:
+ * SCREE_BENCH_UPDATES=1000000 scree-bench-stream stream.soak. */
 static void twenty_thousand_updates_with_changes_neither_grow_nor_leak(void** state) {
   (void)state;
   random_stream r = {41};
@@ -472,6 +531,7 @@ int main(void) {
       cmocka_unit_test(an_edit_sends_only_the_blocks_it_touches),
       cmocka_unit_test(what_changes_is_within_reach),
       cmocka_unit_test(a_scene_that_does_not_fit_changes_nothing),
+      cmocka_unit_test(packs_that_go_bad_under_a_stream_cost_meshes_and_nothing_else),
       cmocka_unit_test(twenty_thousand_updates_with_changes_neither_grow_nor_leak),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

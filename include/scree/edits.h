@@ -40,8 +40,8 @@ SCREE_API uint64_t scree_edits_list(const scree_edits* edits, uint64_t first, sc
 
 /* Writes the delta: a small, sorted, versioned and checksummed blob, little-endian, the same bytes for the same edits on every
  * machine (docs/edits_format.md). For each layer it holds a fingerprint of what its ids mean: digest of the pack, seed, cell size
- * and origin. bytes: `capacity`, may be NULL when that is 0. size: how many are needed, always delivered. Returns SCREE_OK,
- * CAPACITY or INVALID_ARGUMENT (an id whose layer the scene does not have). */
+ * (of a scatter, the width of its tiles) and origin. bytes: `capacity`, may be NULL when that is 0. size: how many are needed,
+ * always delivered. Returns SCREE_OK, CAPACITY or INVALID_ARGUMENT (an id whose layer the scene does not have). */
 SCREE_API scree_result scree_edits_save(const scree_edits* edits, const struct scree_scene* scene, uint8_t* bytes, size_t capacity,
                                         size_t* size);
 

@@ -33,7 +33,9 @@ typedef struct scree_vertex {
  * read it. */
 SCREE_API scree_result scree_pack_open_memory(const void* bytes, size_t size, const scree_allocator* allocator, scree_pack** out);
 
-/* Maps a file and opens it as above; also returns SCREE_ERROR_IO. The file must not change while the pack is open. */
+/* Maps a file and opens it as above; also returns SCREE_ERROR_IO. The file must not change while the pack is open: to replace
+ * it, write another one and rename that. Bytes that change all the same cost meshes and hulls; a file that becomes shorter ends the
+ * program where the system ends it. */
 SCREE_API scree_result scree_pack_open_file(const char* path, const scree_allocator* allocator, scree_pack** out);
 
 /* Closes a pack; NULL is allowed. Fields made from it must be gone. */
