@@ -425,6 +425,8 @@ static void soak(const bench* b) {
            (unsigned long long)(late_allocations - early_allocations), (unsigned long long)atomic_load(&memory.bytes),
            (double)late / 1048576);
   print_row("stream.soak", (double)updates, "updates", 1e6, more);
+  if (passed > 0) die("stream.soak: a cap was passed");
+  if (atomic_load(&memory.bytes) > 0) die("stream.soak: memory leaked");
   scree_edits_destroy(edits);
   scree_scene_destroy(scenes[1]);
 }

@@ -244,6 +244,70 @@ static void levels_change_at_few_distances(void** state) {
   stream_world_free(&w);
 }
 
+/* Changes of levels while a view swings to and fro. */
+static uint64_t changes_of_a_swing(const stream_world* w, float hysteresis) {
+  scree_stream_desc desc = {.scene = w->scene,
+                            .view_distance = 200,
+                            .max_error_pixels = 4,
+                            .hysteresis = hysteresis,
+                            .no_far_field = true,
+                            .decode = stream_decode_pattern};
+  stream_host h;
+  host_create(&h, &desc, NULL);
+  uint64_t before = 0;
+  for (int swing = 0; swing < 12; ++swing) {
+    const scree_view view = host_view(swing & 1 ? 0.4 : -0.4, 22, 0);
+    host_settle(&h, &view, 1, 2000);
+    if (swing == 1) before = h.counts[SCREE_EVENT_BLOCK_CHANGE];
+  }
+  const uint64_t changes = h.counts[SCREE_EVENT_BLOCK_CHANGE] - before;
+  host_destroy(&h);
+  return changes;
+}
+
+static void levels_stay_where_a_view_swings_less_than_the_hysteresis(void** state) {
+  (void)state;
+  stream_world w;
+  stream_world_make(&w, &(stream_world_desc){0});
+  assert_true(changes_of_a_swing(&w, 1e-6f) > 0);
+  assert_int_equal(changes_of_a_swing(&w, 0.2f), 0);
+  stream_world_free(&w);
+}
+
+static void fades_go_from_one_level_to_the_other_in_their_time(void** state) {
+  (void)state;
+  stream_world w;
+  stream_world_make(&w, &(stream_world_desc){0});
+  scree_stream_desc desc = {
+      .scene = w.scene, .view_distance = 200, .max_error_pixels = 4, .fade_seconds = 0.5f, .decode = stream_decode_pattern};
+  stream_host h;
+  host_create(&h, &desc, NULL);
+  scree_view view = host_view(0, 22, 0);
+  host_settle(&h, &view, 1, 2000);
+  uint32_t early = 0, halfway = 0, late = 0;
+  view.position[1] = 15;
+  for (int i = 0; i < 60; ++i) {
+    host_update(&h, &view, 1);
+    for (uint32_t k = 0; k < h.caps.blocks; ++k)
+      for (uint32_t n = 0; h.blocks[k].shown && n < h.blocks[k].run_count; ++n) {
+        const scree_stream_run* run = &h.blocks[k].runs[n];
+        if (run->from_level == 255) continue;
+        assert_int_not_equal(run->from_level, run->level);
+        const double since = h.time - (double)run->fade_start, fade = (double)scree_stream_fade(h.stream, run->fade_start, h.time);
+        assert_true(since > -1e-5 && since < 0.5 + 2.0 / 60);
+        assert_true(fabs(fade - fmin(since / 0.5, 1)) < 1e-4);
+        early += fade < 0.2;
+        halfway += fade > 0.4 && fade < 0.6;
+        late += fade > 0.8;
+      }
+  }
+  assert_true(early > 0 && halfway > 0 && late > 0);
+  assert_true(scree_stream_fade(h.stream, 7, 6) == 0 && scree_stream_fade(h.stream, 7, 8) == 1);
+  assert_true(scree_stream_fade(NULL, 7, 7) == 1); /* no fades: all of it at once */
+  host_destroy(&h);
+  stream_world_free(&w);
+}
+
 /* Rocks in blocks that the half-space of a plane meets, and in those that lie wholly outside. */
 static void count_sides(const stream_host* h, const float plane[4], const scree_view* view, uint32_t sides[2]) {
   sides[0] = sides[1] = 0;
@@ -323,6 +387,8 @@ int main(void) {
       cmocka_unit_test(blocks_that_come_and_go_leave_room_for_others),
       cmocka_unit_test(what_a_cap_took_comes_back_while_the_views_stand),
       cmocka_unit_test(levels_change_at_few_distances),
+      cmocka_unit_test(levels_stay_where_a_view_swings_less_than_the_hysteresis),
+      cmocka_unit_test(fades_go_from_one_level_to_the_other_in_their_time),
       cmocka_unit_test(as_much_is_shown_ten_thousand_kilometres_away),
       cmocka_unit_test(a_far_field_covers_the_view_long_before_it_is_complete),
   };
