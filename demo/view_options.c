@@ -68,6 +68,7 @@ const char weather_keys[] =
     "Backspace        back to the start\n"
     "drag in a graph  move a point of durability, a border of bubbles\n"
     "  click a line   a new point; right click: noise, or remove it\n"
+    "Delete           remove the selected point\n"
     "K                keep this age\n"
     "Ctrl+S           save the recipe\n"
     "E                export the surface as .glb\n"

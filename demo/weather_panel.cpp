@@ -180,7 +180,6 @@ bool durability_pointer(weather_panel* p, const Graph& g, scree_hoodoo_rules* ru
     p->point = point != WEATHER_GRAPH_NONE ? point : weather_graph_point_below(rules, g.altitude(at.y));
     ImGui::OpenPopup(point != WEATHER_GRAPH_NONE ? "##point popup" : "##noise popup");
   }
-  if (ImGui::IsItemHovered() && !p->point_held && ImGui::IsKeyPressed(ImGuiKey_Delete)) changed |= remove_point(p, rules);
   return changed;
 }
 
@@ -213,6 +212,8 @@ bool durability_graph(weather_panel* p, weather_panel_view* v, ImVec2 size) {
   p->graph_min = g.min;
   p->graph_max = g.max;
   bool changed = durability_pointer(p, g, rules);
+  if (v->remove_point && !p->point_held) changed |= remove_point(p, rules);
+  v->remove_point = false;
   const bool hovered = ImGui::IsItemHovered();
   ImDrawList* list = ImGui::GetWindowDrawList();
   draw_grid(list, g);
@@ -438,7 +439,7 @@ void timeline(const weather_panel_view* v, weather_panel_wishes* wishes) {
                               IM_COL32(130, 180, 220, 255));
     }
   list->AddCircleFilled(ImVec2(place(step), middle), 6, IM_COL32(245, 240, 230, 255));
-  if (!ImGui::IsItemActive()) return;
+  if (!ImGui::IsItemActive() && !ImGui::IsItemDeactivated()) return;
   const float t = std::clamp((ImGui::GetIO().MousePos.x - left) / (right - left), 0.0f, 1.0f);
   wishes->go_to = static_cast<uint32_t>(std::lround(t * static_cast<float>(end)));
   wishes->go = wishes->go_to != step;

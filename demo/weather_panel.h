@@ -30,6 +30,7 @@ typedef struct weather_panel_view {
 
   scree_hoodoo_rules rules; /* of the next step */
   bool playing, panel, help, figures, wireframe;
+  bool remove_point; /* the selected one is to go */
   float steps_per_second;
   weather_colour colour;
 } weather_panel_view;

@@ -211,6 +211,7 @@ static void on_key(GLFWwindow* window, int key, int scancode, int action, int mo
     case GLFW_KEY_PAGE_UP: set_variant(v, weather_session_variant(v->session) + 1); break;
     case GLFW_KEY_PAGE_DOWN: set_variant(v, weather_session_variant(v->session) - 1); break;
     case GLFW_KEY_K: keep_age(v); break;
+    case GLFW_KEY_DELETE: v->view.remove_point = v->view.panel; break;
     case GLFW_KEY_E: export_surface(v); break;
     case GLFW_KEY_G: v->view.wireframe = !v->view.wireframe; break;
     case GLFW_KEY_HOME: go_home(v); break;
