@@ -1,4 +1,5 @@
-/* The files that recipes of hoodoos name: images of joints and meshes. For scree-bake and scree-view, the library never reads files. */
+/* The files that recipes of hoodoos name: images of joints and meshes. For scree-bake and scree-view, the library never reads
+ * files. */
 #ifndef SCREE_START_FILES_H
 #define SCREE_START_FILES_H
 

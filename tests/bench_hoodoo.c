@@ -2,46 +2,37 @@
 #define _POSIX_C_SOURCE 200809L
 #include "bench_hoodoo.h"
 
-#include <math.h>
+#include <scree/hoodoo.h>
 #include <scree/threads.h>
 #include <scree/weather.h>
 #include <string.h>
 
 #include "bench.h"
 
-enum { WIDTH = 192, HEIGHT = 130, DEPTH = 188, ROCK_HEIGHT = 110, ROCK_RADIUS = 48 };
+#define RECIPE "content/recipes/goblin.json"
 
-#define ALTITUDE(share) ((double)(share)*ROCK_HEIGHT / HEIGHT)
+static void read_recipe(scree_hoodoo_recipe* recipe) {
+  static char text[1 << 16];
+  FILE* file = fopen(RECIPE, "rb");
+  if (file == NULL) die(RECIPE ": cannot be read; run this from the root of the repository");
+  const size_t size = fread(text, 1, sizeof text, file);
+  fclose(file);
+  scree_error error;
+  if (scree_hoodoo_parse(text, size, recipe, &error) != SCREE_OK) die(error.message);
+}
 
-/* Beds of the goblin, with the noise of all of them. */
-#define BED(share, durability) \
-  { ALTITUDE(share), durability, 0.7, 1 / 0.045, 1 }
-
-static scree_weather* make_goblin(const scree_jobs* jobs) {
-  static const scree_durability_point beds[] = {BED(0, 1.9),     BED(0.10, 1.5), BED(0.22, 0.55), BED(0.34, 0.42),
-                                                BED(0.42, 0.75), BED(0.50, 0.5), BED(0.58, 0.42), BED(0.62, 1.25),
-                                                BED(0.80, 2.0),  BED(0.92, 1.7), BED(1, 1.2)};
-  uint8_t* map = must(calloc(WIDTH * DEPTH, 1));
-  for (int z = 0; z < DEPTH; ++z)
-    for (int x = 0; x < WIDTH; ++x) {
-      const double u = x + 0.5 - WIDTH / 2.0, v = z + 0.5 - DEPTH / 2.0, a = atan2(v, u);
-      const double lobes = 0.8 + 0.1 * sin(2 * a) + 0.07 * sin(3 * a) + 0.05 * sin(5 * a);
-      if (sqrt(u * u + v * v) < ROCK_RADIUS * lobes) map[x + WIDTH * z] = 255 * ROCK_HEIGHT / HEIGHT;
-    }
-  scree_weather_desc desc = {.start = {.kind = SCREE_START_JOINT_MAP,
-                                       .size = {WIDTH, HEIGHT, DEPTH},
-                                       .map = map,
-                                       .map_width = WIDTH,
-                                       .map_depth = DEPTH,
-                                       .seed = 7}};
-  scree_weather_rules_default(&desc.rules);
-  desc.rules.durability = beds;
-  desc.rules.durability_count = sizeof beds / sizeof beds[0];
+/* The first variant of the recipe, before its first step. */
+static scree_weather* make_goblin(const scree_hoodoo_recipe* recipe, const scree_jobs* jobs) {
+  scree_hoodoo_desc bake = {.recipe = recipe};
+  scree_hoodoo_start_memory memory;
+  scree_weather_desc desc = {0};
+  scree_error error;
+  if (scree_hoodoo_start_make(&bake, 0, &desc.start, &memory, &error) != SCREE_OK) die(error.message);
+  scree_hoodoo_rules_view(&recipe->rules, &desc.rules);
   if (jobs != NULL) desc.jobs = *jobs;
   scree_weather* w;
-  scree_error error;
   if (scree_weather_create(&desc, &w, &error) != SCREE_OK) die(error.message);
-  free(map);
+  scree_hoodoo_start_free(&bake, &memory);
   return w;
 }
 
@@ -56,9 +47,11 @@ void bench_goblin(void) {
   scree_weather_stats stats;
   for (int i = 0; i < TRIES; ++i) {
     const double from = seconds();
-    scree_weather* w = make_goblin(NULL);
+    static scree_hoodoo_recipe recipe;
+    read_recipe(&recipe);
+    scree_weather* w = make_goblin(&recipe, NULL);
     scree_mesher* mesher;
-    check(scree_weather_run(w, 0.4, 100000, NULL, NULL));
+    check(scree_weather_run(w, recipe.ages[recipe.age_count - 1], recipe.max_steps, NULL, NULL));
     check(scree_mesher_create(w, &mesher));
     check(scree_mesher_update(mesher, 0, &surface));
     spent[i] = seconds() - from;
@@ -66,16 +59,23 @@ void bench_goblin(void) {
     scree_mesher_destroy(mesher);
     scree_weather_destroy(w);
   }
-  printf("{\"name\": \"hoodoo.goblin_seconds\", \"value\": %.4g, \"unit\": \"s\", \"steps\": %u, \"vertices\": %u}\n",
-         median(spent, TRIES), (unsigned)stats.step, surface.vertex_count);
+  printf(
+      "{\"name\": \"hoodoo.goblin_seconds\", \"value\": %.4g, \"unit\": \"s\", \"goal\": 0.5, \"steps\": %u, \"vertices\": %u}\n",
+      median(spent, TRIES), (unsigned)stats.step, surface.vertex_count);
 }
 
-void bench_steer(void) {
+void bench_steer(bool larger) {
   enum { FRAMES = 41 };
   scree_threads* threads;
   check(scree_threads_create(1, NULL, &threads)); /* and this one */
   const scree_jobs jobs = scree_threads_jobs(threads);
-  scree_weather* w = make_goblin(&jobs);
+  static scree_hoodoo_recipe recipe;
+  read_recipe(&recipe);
+  if (larger) {
+    for (int a = 0; a < 3; ++a) recipe.size[a] += recipe.size[a] / 4;
+    recipe.start.radius *= 1.25;
+  }
+  scree_weather* w = make_goblin(&recipe, &jobs);
   scree_mesher* mesher;
   scree_surface surface;
   check(scree_weather_run(w, 0.6, 100000, NULL, NULL));
@@ -90,8 +90,12 @@ void bench_steer(void) {
     frames[i] = (clock_seconds(CLOCK_MONOTONIC) - from) * 1e3;
     steps[i] = (between - from) * 1e3;
   }
-  printf("{\"name\": \"hoodoo.steer\", \"value\": %.4g, \"unit\": \"ms\", \"step\": %.4g, \"threads\": %u, \"vertices\": %u}\n",
-         median(frames, FRAMES), median(steps, FRAMES), jobs.worker_count, surface.vertex_count);
+  double worst = 0;
+  for (int i = 0; i < FRAMES; ++i) worst = frames[i] > worst ? frames[i] : worst;
+  printf(
+      "{\"name\": \"hoodoo.steer%s\", \"value\": %.4g, \"unit\": \"ms\", \"goal\": 16, \"worst\": %.4g, \"step\": %.4g, "
+      "\"threads\": %u, \"vertices\": %u}\n",
+      larger ? "_larger" : "", median(frames, FRAMES), worst, median(steps, FRAMES), jobs.worker_count, surface.vertex_count);
   scree_mesher_destroy(mesher);
   scree_weather_destroy(w);
   scree_threads_destroy(threads);

@@ -2,10 +2,13 @@
 #ifndef BENCH_HOODOO_H
 #define BENCH_HOODOO_H
 
-/* hoodoo.goblin_seconds: a goblin from its start shape to its surface, on one thread. */
+#include <stdbool.h>
+
+/* hoodoo.goblin_seconds: the first goblin of content/recipes/goblin.json from recipe to surface, on one thread. */
 void bench_goblin(void);
 
-/* hoodoo.steer: a step of half a goblin and the remesh of what it changed, on two threads, milliseconds of the wall clock. */
-void bench_steer(void);
+/* hoodoo.steer: a step of that goblin half way and the remesh of what it changed, on two threads, milliseconds of the wall clock;
+ * hoodoo.steer_larger: the same of one a quarter wider and taller. */
+void bench_steer(bool larger);
 
 #endif

@@ -190,6 +190,7 @@ int main(int count, char** arguments) {
   bench_cycles("hoodoo.column_r7", &column, 7, 8, 22000, 25500, 24);
   bench_dissolve();
   if (wanted("hoodoo.goblin_seconds")) bench_goblin();
-  if (wanted("hoodoo.steer")) bench_steer();
+  if (wanted("hoodoo.steer")) bench_steer(false);
+  if (wanted("hoodoo.steer_larger")) bench_steer(true);
   return 0;
 }
