@@ -390,15 +390,10 @@ static scree_result set_key(char* name, const cJSON* value, scree_hoodoo_recipe*
 }
 
 scree_result scree_hoodoo_set(scree_hoodoo_recipe* recipe, const char* assignment, scree_error* error) {
-  const char* equals = strchr(assignment, '=');
-  char name[64];
-  if (equals == NULL || (size_t)(equals - assignment) >= sizeof name) {
-    recipe_say(error, "%.60s: expected KEY=VALUE", assignment);
-    return SCREE_ERROR_SYNTAX;
-  }
-  memcpy(name, assignment, (size_t)(equals - assignment));
-  name[equals - assignment] = '\0';
-  cJSON* value = recipe_set_value(equals + 1);
+  char name[RECIPE_NAME_SIZE];
+  const char* text = recipe_assignment(assignment, name, error);
+  if (text == NULL) return SCREE_ERROR_SYNTAX;
+  cJSON* value = recipe_set_value(text);
   if (value == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
   scree_hoodoo_recipe changed = *recipe;
   scree_result result = set_key(name, value, &changed, error);

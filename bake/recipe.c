@@ -235,20 +235,15 @@ scree_result scree_recipe_parse(const char* text, size_t size, scree_recipe* out
 }
 
 scree_result scree_recipe_set(scree_recipe* recipe, const char* assignment, scree_error* error) {
-  const char* equals = strchr(assignment, '=');
-  char name[64];
-  if (equals == NULL || (size_t)(equals - assignment) >= sizeof name) {
-    recipe_say(error, "%.60s: expected KEY=VALUE", assignment);
-    return SCREE_ERROR_SYNTAX;
-  }
-  memcpy(name, assignment, (size_t)(equals - assignment));
-  name[equals - assignment] = '\0';
+  char name[RECIPE_NAME_SIZE];
+  const char* text = recipe_assignment(assignment, name, error);
+  if (text == NULL) return SCREE_ERROR_SYNTAX;
   const recipe_key* key = find_key(name);
   if (key == NULL) {
     recipe_say(error, "%s: unknown key", name);
     return SCREE_ERROR_SYNTAX;
   }
-  cJSON* value = recipe_set_value(equals + 1);
+  cJSON* value = recipe_set_value(text);
   if (value == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
   scree_recipe changed = *recipe;
   scree_result result = read_value(key, value, &changed, error);

@@ -57,6 +57,17 @@ cJSON* recipe_root(const char* text, size_t size, scree_error* error) {
   return NULL;
 }
 
+const char* recipe_assignment(const char* assignment, char name[RECIPE_NAME_SIZE], scree_error* error) {
+  const char* equals = strchr(assignment, '=');
+  if (equals == NULL || equals - assignment >= RECIPE_NAME_SIZE) {
+    recipe_say(error, "%.60s: expected KEY=VALUE", assignment);
+    return NULL;
+  }
+  memcpy(name, assignment, (size_t)(equals - assignment));
+  name[equals - assignment] = '\0';
+  return equals + 1;
+}
+
 cJSON* recipe_set_value(const char* text) {
   cJSON* value = cJSON_ParseWithOpts(text, NULL, true);
   return value != NULL ? value : cJSON_CreateString(text);

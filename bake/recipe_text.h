@@ -17,6 +17,10 @@ void recipe_describe(const cJSON* value, char* text, size_t capacity);
 /* The object that a recipe is, to be freed with cJSON_Delete, or NULL with what is wrong in `error`; repeated keys are wrong. */
 cJSON* recipe_root(const char* text, size_t size, scree_error* error);
 
+/* The name of KEY=VALUE, to be as long as keys are at most, and where VALUE begins; NULL with what is wrong in `error`. */
+#define RECIPE_NAME_SIZE 64
+const char* recipe_assignment(const char* assignment, char name[RECIPE_NAME_SIZE], scree_error* error);
+
 /* The value of a --set: JSON, or else a text without quotes. NULL when memory is short. */
 cJSON* recipe_set_value(const char* text);
 

@@ -1,4 +1,5 @@
 /* scree-view: a scene in a window, or as one picture without a display. */
+#include <epoxy/gl.h>
 #include <scree/threads.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -8,7 +9,7 @@
 #include "headless.h"
 #include "stage.h"
 #include "timer.h"
-#include "view_options.h"
+#include "view_window.h"
 #ifdef SCREE_WITH_BAKE
 #include "weather_session.h"
 #include "weather_view.h"
@@ -39,10 +40,7 @@ static int take_picture(const view_options* options, const scene_model* scene, c
     stage_camera(s, options->eye, options->target, options->field_of_view, &eye);
   else
     stage_camera(s, scene->camera.eye, scene->camera.target, scene->camera.fov, &eye);
-  memcpy(picture.eye, eye.eye, sizeof picture.eye);
-  float right[3];
-  camera_axes(&eye, picture.forward, right, picture.up);
-  picture.field_of_view = eye.field_of_view;
+  view_look(&eye, &picture);
   picture.width = options->width;
   picture.height = options->height;
   picture.samples = options->samples > 0 ? options->samples : 8;
@@ -51,15 +49,15 @@ static int take_picture(const view_options* options, const scene_model* scene, c
   picture.wireframe = options->wireframe;
   picture.pixel_error = options->pixel_error;
 
-  uint8_t* rgb = malloc((size_t)picture.width * picture.height * 3);
-  result = rgb == NULL ? SCREE_ERROR_OUT_OF_MEMORY : render_draw(r, &picture);
+  result = render_draw(r, &picture);
   int status;
   if (result != SCREE_OK) {
     status = fail(result, "");
   } else {
-    render_read(r, rgb);
+    glFinish();
     double drawn = timer_seconds();
-    result = picture_write(options->screenshot, picture.width, picture.height, rgb, &error);
+    const char* file;
+    result = view_picture_save(options, r, &picture, &file, &error);
     status = result == SCREE_OK ? 0 : (fail(result, error.message), 1);
     render_stats stats;
     render_get_stats(r, &stats);
@@ -73,7 +71,6 @@ static int take_picture(const view_options* options, const scene_model* scene, c
               ready - start, drawn - ready, stats.indirect);
     view_log_close(log);
   }
-  free(rgb);
   stage_destroy(s);
   return status;
 }

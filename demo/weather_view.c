@@ -1,7 +1,5 @@
 #include "weather_view.h"
 
-#define GLFW_INCLUDE_NONE
-#include <GLFW/glfw3.h>
 #include <epoxy/gl.h>
 #include <math.h>
 #include <stdarg.h>
@@ -12,11 +10,11 @@
 #include "file.h"
 #include "headless.h"
 #include "timer.h"
+#include "view_window.h"
 #include "weather_panel.h"
 #include "weather_stage.h"
 
 #define SAMPLES_STILL 32   /* of a picture that does not move */
-#define COARSEST 4         /* smallest share of the window's pixels, one way, that a moving picture is drawn at */
 #define PANEL_WIDTH 392.0f /* window units, with its margins */
 #define BUDGET 0.05        /* seconds of steps a frame, at most */
 
@@ -119,21 +117,26 @@ static void go(viewer* v, uint32_t to) {
   log_state(v, "go");
 }
 
+/* Where --camera says, or else where all of the grid is seen; right: share of the width that the panel covers. */
+static void place_camera(const view_options* options, const weather_stage* stage, float aspect, float right, camera* out) {
+  if (!options->has_camera) {
+    weather_stage_home(stage, aspect, right, out);
+    return;
+  }
+  float eye[3], target[3];
+  for (int a = 0; a < 3; ++a) {
+    eye[a] = (float)options->eye[a];
+    target[a] = (float)options->target[a];
+  }
+  camera_look(out, eye, target, (float)(options->field_of_view * 3.14159265358979 / 180));
+}
+
 static void go_home(viewer* v) {
   int width, height;
   glfwGetWindowSize(v->window, &width, &height);
   if (width < 1 || height < 1) return;
   const float right = v->view.panel && (float)width > 2 * PANEL_WIDTH ? PANEL_WIDTH / (float)width : 0;
-  if (v->options->has_camera) {
-    float eye[3], target[3];
-    for (int a = 0; a < 3; ++a) {
-      eye[a] = (float)v->options->eye[a];
-      target[a] = (float)v->options->target[a];
-    }
-    camera_look(&v->camera, eye, target, (float)(v->options->field_of_view * 3.14159265358979 / 180));
-    return;
-  }
-  weather_stage_home(&v->stage, (float)width / (float)height, right, &v->camera);
+  place_camera(v->options, &v->stage, (float)width / (float)height, right, &v->camera);
 }
 
 static void save_recipe(viewer* v) {
@@ -172,12 +175,8 @@ static void keep_age(viewer* v) {
 
 static void save_picture(viewer* v) {
   scree_error error = {""};
-  const char* file = v->options->screenshot != NULL ? v->options->screenshot : "scree-view.png";
-  uint8_t* rgb = malloc((size_t)v->picture.width * v->picture.height * 3);
-  if (rgb == NULL) return;
-  render_read(v->renderer, rgb);
-  const scree_result result = picture_write(file, v->picture.width, v->picture.height, rgb, &error);
-  free(rgb);
+  const char* file;
+  const scree_result result = view_picture_save(v->options, v->renderer, &v->picture, &file, &error);
   if (check(v, result, &error)) tell(v, "picture %s", file);
 }
 
@@ -270,10 +269,7 @@ static void on_wheel(GLFWwindow* window, double x, double y) {
 static bool compose(viewer* v) {
   render_picture* p = &v->picture;
   const render_picture before = *p;
-  float right[3];
-  memcpy(p->eye, v->camera.eye, sizeof p->eye);
-  camera_axes(&v->camera, p->forward, right, p->up);
-  p->field_of_view = v->camera.field_of_view;
+  view_look(&v->camera, p);
   p->wireframe = v->view.wireframe;
   return memcmp(before.eye, p->eye, sizeof p->eye) != 0 || memcmp(before.forward, p->forward, sizeof p->forward) != 0 ||
          before.field_of_view != p->field_of_view || before.wireframe != p->wireframe;
@@ -302,12 +298,7 @@ static void draw(viewer* v, uint32_t width, uint32_t height, bool changed) {
   const bool was_still = v->still;
   v->still = !moving && stats.samples >= enough;
   if (v->still && !was_still && v->log != NULL) fprintf(v->log, "still samples=%u\n", stats.samples), fflush(v->log);
-  if (!moving) return;
-  /* As fine as the machine can keep up with. */
-  if (seconds > 0.07 && v->coarseness < COARSEST)
-    ++v->coarseness;
-  else if (seconds < 0.02 && v->coarseness > 1)
-    --v->coarseness;
+  if (moving) v->coarseness = view_coarseness(v->coarseness, seconds);
 }
 
 static void fill_view(viewer* v) {
@@ -426,22 +417,6 @@ static void run(viewer* v) {
 
 /* --- Opening --- */
 
-static GLFWwindow* open_window(const view_options* options) {
-  static const int versions[][2] = {{4, 5}, {4, 3}, {3, 3}};
-  GLFWwindow* window = NULL;
-  char title[SCENE_FILE_SIZE + 32];
-  snprintf(title, sizeof title, "scree-view: %s", options->weather);
-  for (size_t i = 0; i < sizeof versions / sizeof *versions && window == NULL; ++i) {
-    glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, versions[i][0]);
-    glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, versions[i][1]);
-    glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
-    glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
-    glfwWindowHint(GLFW_DEPTH_BITS, 0);
-    window = glfwCreateWindow((int)options->width, (int)options->height, title, NULL, NULL);
-  }
-  return window;
-}
-
 static int show(viewer* v, const scree_jobs* jobs) {
   scree_error error = {""};
   const render_desc desc = {.no_indirect = v->options->no_indirect, .jobs = *jobs};
@@ -473,26 +448,14 @@ static int show(viewer* v, const scree_jobs* jobs) {
   return 0;
 }
 
-static int refuse_window(void) {
-  const char* reason = NULL;
-  glfwGetError(&reason);
-  fprintf(stderr, "scree-view: no window with OpenGL 3.3 can be opened (%s); --headless draws a picture without one\n",
-          reason != NULL ? reason : "no reason given");
-  return 1;
-}
-
 static int run_window(const view_options* options, weather_session* session, const scree_jobs* jobs) {
-  if (!glfwInit()) return refuse_window();
   viewer* v = calloc(1, sizeof *v);
+  if (v == NULL) return 1;
   int status = 1;
-  if (v != NULL) {
-    v->options = options;
-    v->session = session;
-    v->window = open_window(options);
-  }
-  if (v != NULL && v->window != NULL) {
-    glfwMakeContextCurrent(v->window);
-    glfwSwapInterval(1);
+  v->options = options;
+  v->session = session;
+  v->window = view_window_open(options, options->weather);
+  if (v->window != NULL) {
     v->log = view_log_open(options);
     status = show(v, jobs);
     weather_panel_destroy(v->panel);
@@ -500,8 +463,6 @@ static int run_window(const view_options* options, weather_session* session, con
     render_destroy(v->renderer);
     view_log_close(v->log);
     glfwDestroyWindow(v->window);
-  } else if (v != NULL) {
-    refuse_window();
   }
   free(v);
   glfwTerminate();
@@ -515,36 +476,20 @@ static scree_result draw_picture(const view_options* options, weather_session* s
   weather_stage_create(&stage, session, r);
   scree_result result = weather_stage_show(&stage, options->paint, error);
   camera eye;
-  weather_stage_home(&stage, (float)options->width / (float)options->height, 0, &eye);
+  place_camera(options, &stage, (float)options->width / (float)options->height, 0, &eye);
   weather_stage_destroy(&stage);
   if (result != SCREE_OK) return result;
-  if (options->has_camera) {
-    float from[3], to[3];
-    for (int a = 0; a < 3; ++a) {
-      from[a] = (float)options->eye[a];
-      to[a] = (float)options->target[a];
-    }
-    camera_look(&eye, from, to, (float)(options->field_of_view * 3.14159265358979 / 180));
-  }
   render_picture picture;
   render_picture_init(&picture);
   weather_stage_light(&picture);
-  float right[3];
-  memcpy(picture.eye, eye.eye, sizeof picture.eye);
-  camera_axes(&eye, picture.forward, right, picture.up);
-  picture.field_of_view = eye.field_of_view;
+  view_look(&eye, &picture);
   picture.width = options->width;
   picture.height = options->height;
   picture.samples = options->samples > 0 ? options->samples : 8;
   picture.wireframe = options->wireframe;
-  uint8_t* rgb = malloc((size_t)picture.width * picture.height * 3);
-  result = rgb == NULL ? SCREE_ERROR_OUT_OF_MEMORY : render_draw(r, &picture);
-  if (result == SCREE_OK) {
-    render_read(r, rgb);
-    result = picture_write(options->screenshot, picture.width, picture.height, rgb, error);
-  }
-  free(rgb);
-  return result;
+  result = render_draw(r, &picture);
+  const char* file;
+  return result == SCREE_OK ? view_picture_save(options, r, &picture, &file, error) : result;
 }
 
 static int run_headless(const view_options* options, weather_session* session, const scree_jobs* jobs) {

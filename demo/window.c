@@ -1,25 +1,21 @@
 #include "window.h"
 
-#define GLFW_INCLUDE_NONE
-#include <GLFW/glfw3.h>
 #include <epoxy/gl.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "camera.h"
 #include "edit.h"
-#include "headless.h"
 #include "outline.h"
 #include "panel.h"
 #include "stage.h"
 #include "timer.h"
+#include "view_window.h"
 
 #define SAMPLES_STILL 48  /* of a picture that does not move */
 #define DECODE_MOVING 192 /* meshes a frame while something moves */
 #define ARROW_PIXELS 9.0  /* how near the pointer must be to an arrow */
-#define COARSEST 4        /* smallest share of the window's pixels, one way, that a moving picture is drawn at */
 
 typedef struct viewer {
   const view_options* options;
@@ -247,19 +243,16 @@ static void save_scene(viewer* v) {
 
 static void save_picture(viewer* v) {
   scree_error error = {""};
-  const char* file = v->options->screenshot != NULL ? v->options->screenshot : "scree-view.png";
-  uint8_t* rgb = malloc((size_t)v->picture.width * v->picture.height * 3);
-  if (rgb == NULL) return;
-  render_read(v->renderer, rgb);
-  if (picture_write(file, v->picture.width, v->picture.height, rgb, &error) != SCREE_OK) {
-    say(v, true, error.message);
+  const char* file;
+  const scree_result result = view_picture_save(v->options, v->renderer, &v->picture, &file, &error);
+  if (result != SCREE_OK) {
+    say(v, true, error.message[0] != 0 ? error.message : scree_result_string(result));
   } else {
     char text[sizeof v->message];
     snprintf(text, sizeof text, "picture %s", file);
     say(v, false, text);
     if (v->log != NULL) fprintf(v->log, "%s\n", text), fflush(v->log);
   }
-  free(rgb);
 }
 
 static void undo(viewer* v) {
@@ -411,10 +404,7 @@ static bool compose(viewer* v) {
   render_picture before = v->picture;
   render_picture* p = &v->picture;
   stage_light(v->stage, p);
-  memcpy(p->eye, v->camera.eye, sizeof p->eye);
-  float right[3];
-  camera_axes(&v->camera, p->forward, right, p->up);
-  p->field_of_view = v->camera.field_of_view;
+  view_look(&v->camera, p);
   p->colour = v->view.colour;
   p->wireframe = v->view.wireframe;
   return memcmp(before.eye, p->eye, sizeof p->eye) != 0 || memcmp(before.forward, p->forward, sizeof p->forward) != 0 ||
@@ -459,12 +449,7 @@ static void draw_scene(viewer* v, uint32_t width, uint32_t height) {
   const bool was_still = v->still;
   v->still = !moving && v->view.stats.samples >= enough && v->view.stats.meshes_missing == 0;
   if (v->still && !was_still && v->log != NULL) fprintf(v->log, "still samples=%u\n", v->view.stats.samples), fflush(v->log);
-  if (!moving) return;
-  /* As fine as the machine can keep up with. */
-  if (seconds > 0.07 && v->coarseness < COARSEST)
-    ++v->coarseness;
-  else if (seconds < 0.02 && v->coarseness > 1)
-    --v->coarseness;
+  if (moving) v->coarseness = view_coarseness(v->coarseness, seconds);
 }
 
 static void frame(viewer* v, double seconds_since) {
@@ -516,22 +501,6 @@ static void run(viewer* v) {
 
 /* --- Opening --- */
 
-static GLFWwindow* open_window(const view_options* options) {
-  static const int versions[][2] = {{4, 5}, {4, 3}, {3, 3}};
-  GLFWwindow* window = NULL;
-  for (size_t i = 0; i < sizeof versions / sizeof *versions && window == NULL; ++i) {
-    glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, versions[i][0]);
-    glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, versions[i][1]);
-    glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
-    glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
-    glfwWindowHint(GLFW_DEPTH_BITS, 0);
-    char title[SCENE_FILE_SIZE + 32];
-    snprintf(title, sizeof title, "scree-view: %s", options->paths.scene);
-    window = glfwCreateWindow((int)options->width, (int)options->height, title, NULL, NULL);
-  }
-  return window;
-}
-
 static int show(viewer* v, const scree_jobs* jobs) {
   scree_error error = {""};
   const render_desc desc = {.no_indirect = v->options->no_indirect, .jobs = *jobs};
@@ -578,28 +547,14 @@ static int show(viewer* v, const scree_jobs* jobs) {
   return 0;
 }
 
-static void refuse_window(void) {
-  const char* reason = NULL;
-  glfwGetError(&reason);
-  fprintf(stderr, "scree-view: no window with OpenGL 3.3 can be opened (%s); --headless draws a picture without one\n",
-          reason != NULL ? reason : "no reason given");
-}
-
 int window_run(const view_options* options, scene_model* scene, const scree_jobs* jobs) {
-  if (!glfwInit()) {
-    refuse_window();
-    return 1;
-  }
   viewer* v = calloc(1, sizeof *v);
+  if (v == NULL) return 1;
   int status = 1;
-  if (v != NULL) {
-    v->options = options;
-    v->scene = scene;
-    v->window = open_window(options);
-  }
-  if (v != NULL && v->window != NULL) {
-    glfwMakeContextCurrent(v->window);
-    glfwSwapInterval(1);
+  v->options = options;
+  v->scene = scene;
+  v->window = view_window_open(options, options->paths.scene);
+  if (v->window != NULL) {
     v->log = view_log_open(options);
     status = show(v, jobs);
     panel_destroy(v->panel);
@@ -609,8 +564,6 @@ int window_run(const view_options* options, scene_model* scene, const scree_jobs
     render_destroy(v->renderer);
     view_log_close(v->log);
     glfwDestroyWindow(v->window);
-  } else if (v != NULL) {
-    refuse_window();
   }
   free(v);
   glfwTerminate();

@@ -9,30 +9,18 @@
 
 /* --- checks ----------------------------------------------------------------------------------------------------------------- */
 
-static scree_result wrong(scree_result code, const char* what, scree_error* error) {
-  scree_rt_text_add(error, what);
-  return code;
-}
-
-static scree_result wrong_number(const char* name, double value, const char* range, scree_error* error) {
-  scree_rt_text_add(error, name);
-  scree_rt_text_add(error, " is ");
-  scree_rt_text_add_number(error, value);
-  scree_rt_text_add(error, ", it has to be ");
-  scree_rt_text_add(error, range);
-  return SCREE_ERROR_RANGE;
-}
-
 static scree_result check(const scree_scatter_desc* d, scree_error* error) {
-  if (!(d->spacing >= 1e-6 && d->spacing <= 1e6)) return wrong_number("spacing", d->spacing, "1e-6..1e6", error);
+  if (!(d->spacing >= 1e-6 && d->spacing <= 1e6)) return scree_rt_scatter_wrong_number("spacing", d->spacing, "1e-6..1e6", error);
   for (int a = 0; a < 3; ++a)
-    if (!isfinite(d->origin[a])) return wrong_number("origin", d->origin[a], "finite", error);
+    if (!isfinite(d->origin[a])) return scree_rt_scatter_wrong_number("origin", d->origin[a], "finite", error);
   if (d->scale_min != 0 || d->scale_max != 0) {
-    if (!(d->scale_min > 0 && d->scale_min <= 1e9f)) return wrong_number("scale_min", (double)d->scale_min, "above 0", error);
+    if (!(d->scale_min > 0 && d->scale_min <= 1e9f))
+      return scree_rt_scatter_wrong_number("scale_min", (double)d->scale_min, "above 0", error);
     if (!(d->scale_max >= d->scale_min && d->scale_max <= 1e9f))
-      return wrong_number("scale_max", (double)d->scale_max, "at least scale_min", error);
+      return scree_rt_scatter_wrong_number("scale_max", (double)d->scale_max, "at least scale_min", error);
   }
-  if (!(d->max_slope >= 0 && d->max_slope <= 80)) return wrong_number("max_slope", (double)d->max_slope, "0..80", error);
+  if (!(d->max_slope >= 0 && d->max_slope <= 80))
+    return scree_rt_scatter_wrong_number("max_slope", (double)d->max_slope, "0..80", error);
   return d->age_mask != NULL ? scree_rt_scene_check_mask(d->age_mask, error) : SCREE_OK;
 }
 
@@ -84,12 +72,13 @@ scree_result scree_scatter_create(const scree_scatter_desc* desc, const scree_al
                                   scree_error* error) {
   scree_rt_text_clear(error);
   if (out != NULL) *out = NULL;
-  if (desc == NULL || out == NULL) return wrong(SCREE_ERROR_INVALID_ARGUMENT, desc == NULL ? "desc is NULL" : "out is NULL", error);
+  if (desc == NULL || out == NULL)
+    return scree_rt_scatter_wrong(SCREE_ERROR_INVALID_ARGUMENT, desc == NULL ? "desc is NULL" : "out is NULL", error);
   scree_result result = check(desc, error);
   if (result != SCREE_OK) return result;
   const scree_allocator allocator = scree_rt_allocator_or_default(given);
   scree_scatter* s = scree_rt_allocate_zeroed(&allocator, 1, sizeof *s);
-  if (s == NULL) return wrong(SCREE_ERROR_OUT_OF_MEMORY, "out of memory", error);
+  if (s == NULL) return scree_rt_scatter_wrong(SCREE_ERROR_OUT_OF_MEMORY, "out of memory", error);
   s->allocator = allocator;
   result = scree_rt_scatter_copy_models(s, desc, error);
   if (result == SCREE_OK && !copy_mask(s, desc->age_mask)) result = SCREE_ERROR_OUT_OF_MEMORY;

@@ -116,4 +116,8 @@ typedef struct scatter_found {
 /* Calls `found` for every instance, in a fixed order; stops, and returns false, when it does. */
 bool scree_rt_scatter_visit(const scatter_visit* visit, bool (*found)(void* user, const scatter_found* instance), void* user);
 
+/* What is wrong with a descriptor, as the text and the code of a failed create. */
+scree_result scree_rt_scatter_wrong(scree_result code, const char* what, scree_error* error);
+scree_result scree_rt_scatter_wrong_number(const char* name, double value, const char* range, scree_error* error); /* RANGE */
+
 #endif

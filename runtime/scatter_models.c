@@ -9,12 +9,12 @@
 
 /* --- checks ----------------------------------------------------------------------------------------------------------------- */
 
-static scree_result wrong(scree_result code, const char* what, scree_error* error) {
+scree_result scree_rt_scatter_wrong(scree_result code, const char* what, scree_error* error) {
   scree_rt_text_add(error, what);
   return code;
 }
 
-static scree_result wrong_number(const char* name, double value, const char* range, scree_error* error) {
+scree_result scree_rt_scatter_wrong_number(const char* name, double value, const char* range, scree_error* error) {
   scree_rt_text_add(error, name);
   scree_rt_text_add(error, " is ");
   scree_rt_text_add_number(error, value);
@@ -28,23 +28,26 @@ static bool is_length(float value) {
 }
 
 static scree_result check_model(const scree_scatter_model* m, scree_error* error) {
-  if (!is_length(m->footprint_radius)) return wrong_number("footprint_radius", (double)m->footprint_radius, "above 0", error);
-  if (!is_length(m->height)) return wrong_number("height", (double)m->height, "above 0", error);
+  if (!is_length(m->footprint_radius))
+    return scree_rt_scatter_wrong_number("footprint_radius", (double)m->footprint_radius, "above 0", error);
+  if (!is_length(m->height)) return scree_rt_scatter_wrong_number("height", (double)m->height, "above 0", error);
   if (m->outer_radius != 0 && !is_length(m->outer_radius))
-    return wrong_number("outer_radius", (double)m->outer_radius, "0 or more", error);
+    return scree_rt_scatter_wrong_number("outer_radius", (double)m->outer_radius, "0 or more", error);
   if (m->hull == NULL) return SCREE_OK;
-  if (m->hull_count < 4 || m->hull_count > CONVEX_MAX_POINTS) return wrong_number("hull_count", m->hull_count, "4..64", error);
+  if (m->hull_count < 4 || m->hull_count > CONVEX_MAX_POINTS)
+    return scree_rt_scatter_wrong_number("hull_count", m->hull_count, "4..64", error);
   for (uint32_t i = 0; i < 3 * m->hull_count; ++i)
-    if (!(fabsf(m->hull[i]) <= 1e9f)) return wrong_number("a coordinate of the hull", (double)m->hull[i], "at most 1e9", error);
+    if (!(fabsf(m->hull[i]) <= 1e9f))
+      return scree_rt_scatter_wrong_number("a coordinate of the hull", (double)m->hull[i], "at most 1e9", error);
   return SCREE_OK;
 }
 
 static scree_result check_models(const scree_scatter_desc* d, scree_error* error) {
-  if (d->models == NULL) return wrong(SCREE_ERROR_INVALID_ARGUMENT, "models is NULL, and so is pack", error);
+  if (d->models == NULL) return scree_rt_scatter_wrong(SCREE_ERROR_INVALID_ARGUMENT, "models is NULL, and so is pack", error);
   if (d->model_count < 1 || d->model_count > SCATTER_MOST_MODELS)
-    return wrong_number("model_count", d->model_count, "1..65536", error);
+    return scree_rt_scatter_wrong_number("model_count", d->model_count, "1..65536", error);
   if (d->age_count > 0 && d->model_count % d->age_count != 0)
-    return wrong(SCREE_ERROR_INVALID_ARGUMENT, "age_count does not divide model_count", error);
+    return scree_rt_scatter_wrong(SCREE_ERROR_INVALID_ARGUMENT, "age_count does not divide model_count", error);
   for (uint32_t i = 0; i < d->model_count; ++i) {
     scree_error inner;
     scree_rt_text_clear(&inner);
@@ -53,7 +56,7 @@ static scree_result check_models(const scree_scatter_desc* d, scree_error* error
     scree_rt_text_add(error, "model ");
     scree_rt_text_add_count(error, i);
     scree_rt_text_add(error, ": ");
-    return wrong(result, inner.message, error);
+    return scree_rt_scatter_wrong(result, inner.message, error);
   }
   return SCREE_OK;
 }
@@ -62,11 +65,11 @@ static scree_result copy_weights(scree_scatter* s, const float* weights, scree_e
   double sum = 0;
   for (uint32_t i = 0; i < s->model_count; ++i) {
     const double weight = weights != NULL ? (double)weights[i] : 1;
-    if (!(weight >= 0 && weight <= 1e9)) return wrong_number("a weight", weight, "0 or more", error);
+    if (!(weight >= 0 && weight <= 1e9)) return scree_rt_scatter_wrong_number("a weight", weight, "0 or more", error);
     s->models[i].weight = weight;
     sum += weight;
   }
-  return sum > 0 ? SCREE_OK : wrong(SCREE_ERROR_INVALID_ARGUMENT, "weights: no model has any", error);
+  return sum > 0 ? SCREE_OK : scree_rt_scatter_wrong(SCREE_ERROR_INVALID_ARGUMENT, "weights: no model has any", error);
 }
 
 /* --- tables ----------------------------------------------------------------------------------------------------------------- */
@@ -170,9 +173,10 @@ static scree_result copy_own(scree_scatter* s, const scree_scatter_desc* d, scre
 static scree_result measure_pack(scree_scatter* s, scree_error* error) {
   scree_pack_info info;
   scree_pack_get_info(s->pack, &info);
-  if (info.kind != SCREE_PACK_MODELS) return wrong(SCREE_ERROR_INVALID_ARGUMENT, "pack: expected one of models", error);
+  if (info.kind != SCREE_PACK_MODELS)
+    return scree_rt_scatter_wrong(SCREE_ERROR_INVALID_ARGUMENT, "pack: expected one of models", error);
   if (info.asset_count < 1 || info.asset_count > SCATTER_MOST_MODELS || info.lattice_per_cell < 1)
-    return wrong(SCREE_ERROR_CORRUPT, "pack: too many models, or none", error);
+    return scree_rt_scatter_wrong(SCREE_ERROR_CORRUPT, "pack: too many models, or none", error);
   s->model_count = info.asset_count;
   s->variant_count = info.variant_count;
   for (uint32_t asset = 0; asset < s->model_count; ++asset) {
@@ -185,7 +189,7 @@ static scree_result measure_pack(scree_scatter* s, scree_error* error) {
       s->point_count += count;
       ++s->part_count;
     }
-    if (result != SCREE_OK) return wrong(result, "pack: a model cannot be read", error);
+    if (result != SCREE_OK) return scree_rt_scatter_wrong(result, "pack: a model cannot be read", error);
   }
   return SCREE_OK;
 }
@@ -237,13 +241,13 @@ static scree_result copy_pack(scree_scatter* s, scree_error* error) {
     }
     count_in(s, (double)model.footprint, outer);
   }
-  return result == SCREE_OK ? result : wrong(result, "pack: a model cannot be read", error);
+  return result == SCREE_OK ? result : scree_rt_scatter_wrong(result, "pack: a model cannot be read", error);
 }
 
 scree_result scree_rt_scatter_copy_models(scree_scatter* s, const scree_scatter_desc* desc, scree_error* error) {
   s->pack = desc->pack;
   if (desc->pack != NULL && (desc->models != NULL || desc->model_count > 0 || desc->age_count > 0))
-    return wrong(SCREE_ERROR_INVALID_ARGUMENT, "models are given beside a pack", error);
+    return scree_rt_scatter_wrong(SCREE_ERROR_INVALID_ARGUMENT, "models are given beside a pack", error);
   const scree_result result = desc->pack != NULL ? copy_pack(s, error) : copy_own(s, desc, error);
   return result == SCREE_OK ? copy_weights(s, desc->weights, error) : result;
 }

@@ -12,6 +12,7 @@
 #include <cmocka.h>
 
 #include "lattice.h"
+#include "one_line.h"
 #include "random.h"
 #include "recipe.h"
 
@@ -26,12 +27,6 @@ static scree_result parse(const char* text, size_t size, scree_recipe* out, scre
   const scree_result result = scree_recipe_parse(exact, size, out, error);
   free(exact);
   return result;
-}
-
-static void assert_one_line(const scree_error* error) {
-  assert_non_null(memchr(error->message, '\0', sizeof error->message));
-  assert_true(error->message[0] != '\0');
-  for (const char* c = error->message; *c != '\0'; ++c) assert_true((unsigned char)*c >= ' ');
 }
 
 static char* write_recipe(const scree_recipe* recipe, size_t* size) {

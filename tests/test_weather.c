@@ -10,6 +10,7 @@
 /* after the four above */
 #include <cmocka.h>
 
+#include "make_weather.h"
 #include "random_weather.h"
 #include "weather_kernels.h"
 
@@ -19,21 +20,6 @@ static scree_weather_rules plain_rules(void) {
   rules.colluvium_share = 0;
   rules.rockfall = SCREE_ROCKFALL_NONE;
   return rules;
-}
-
-static scree_weather* make(const scree_weather_start* start, const scree_weather_rules* rules) {
-  const scree_weather_desc desc = {.start = *start, .rules = *rules};
-  scree_weather* w = NULL;
-  scree_error error = {{0}};
-  const scree_result result = scree_weather_create(&desc, &w, &error);
-  if (result != SCREE_OK) fail_msg("%s: %s", scree_result_string(result), error.message);
-  return w;
-}
-
-static scree_weather_stats stats_of(const scree_weather* w) {
-  scree_weather_stats stats;
-  scree_weather_get_stats(w, &stats);
-  return stats;
 }
 
 static uint8_t* voxels_of(const scree_weather* w) {

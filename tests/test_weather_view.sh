@@ -5,30 +5,12 @@
 # shellcheck disable=SC2317 # functions are called by way of fact
 set -euo pipefail
 bin=$1 work=$2 part=$3
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 rm -rf "$work" && mkdir -p "$work" && cd "$work"
 export LC_ALL=C
 
-failures=0
-fact() { # fact TEXT COMMAND...: the command must succeed
-  local text=$1
-  shift
-  if "$@"; then
-    printf 'ok      %s\n' "$text"
-  else
-    printf 'FAILED  %s\n' "$text"
-    failures=$((failures + 1))
-  fi
-}
-
-# refuses STATUS WORDS ARGUMENT...: ends with that status, one line on stderr that holds the words, nothing left behind.
-refuses() {
-  local status=$1 words=$2 got=0
-  shift 2
-  "$bin/scree-view" "$@" >out.txt 2>err.txt || got=$?
-  [[ $got == "$status" && $(wc -l <err.txt) == 1 && ! -s out.txt && ! -e x.png ]] && grep -qF -- "$words" err.txt && return 0
-  printf '        status %s, said: %s\n' "$got" "$(head -c 300 err.txt)"
-  return 1
-}
+# shellcheck source=tests/view_facts.sh
+source "$here/view_facts.sh"
 
 cat >small.json <<'JSON'
 {"kind": "hoodoo", "name": "small one", "voxel": 0.125, "size": [40, 28, 40],
@@ -42,8 +24,6 @@ draw() { # draw FILE ARGUMENT...
   shift
   "$bin/scree-view" small.json --headless --screenshot "$file" --size 160x120 --samples 2 "$@"
 }
-
-differ() { ! cmp -s "$1" "$2"; }
 
 case $part in
   arguments)
