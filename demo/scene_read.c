@@ -515,6 +515,7 @@ static bool read_scatter(json_reader* r, const cJSON* value, scene_field* out) {
   out->pack[0] = '\0';
   if (cJSON_HasObjectItem(value, "models")) {
     if (cJSON_HasObjectItem(value, "pack")) return json_fail(r, "models", "a scatter has a pack or models, not both");
+    if (cJSON_HasObjectItem(value, "ages")) return json_fail(r, "ages", "only models of a pack have ages");
   } else if (!require_text(r, value, "pack", sizeof out->pack, out->pack)) {
     return false;
   }

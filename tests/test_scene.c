@@ -414,6 +414,7 @@ static void wrong_scene_is_refused_by_name_and_key(void** state) {
       {WITH_SCATTER("\"seed\": 1"), "s.json: fields[0].pack: key is missing"},
       {WITH_SCATTER("\"pack\": \"\""), "s.json: fields[0].pack: expected text, got \"\""},
       {WITH_SCATTER("\"pack\": \"a\", \"models\": [\"b\"]"), "s.json: fields[0].models: a scatter has a pack or models, not both"},
+      {WITH_SCATTER("\"models\": [\"b\"], \"ages\": {\"file\": \"c\"}"), "s.json: fields[0].ages: only models of a pack have ages"},
       {WITH_SCATTER("\"pack\": \"a\", \"cell_size\": 1"), "s.json: fields[0].cell_size: unknown key"},
       {WITH_SCATTER("\"models\": []"), "s.json: fields[0].models: expected an array of 1..64 files, got an array of 0"},
       {WITH_SCATTER("\"models\": [\"a\", 3]"), "s.json: fields[0].models[1]: expected a string, got 3"},
