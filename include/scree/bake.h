@@ -11,10 +11,10 @@ extern "C" {
 #endif
 
 /* What a recipe is of. */
-typedef enum scree_recipe_kind { SCREE_RECIPE_ROCKS = 0, SCREE_RECIPE_HOODOO = 1 } scree_recipe_kind;
+typedef enum scree_recipe_kind { SCREE_RECIPE_ROCKS = 0, SCREE_RECIPE_HOODOO = 1, SCREE_RECIPE_SHARDS = 2 } scree_recipe_kind;
 
-/* Which kind a recipe is of: its key "kind" says "rocks" or "hoodoo"; without it, rocks. Hoodoos are in scree/hoodoo.h.
- * Returns SCREE_OK or SYNTAX; error: may be NULL. */
+/* Which kind a recipe is of: its key "kind" says "rocks", "hoodoo" or "shards"; without it, rocks. Hoodoos are in scree/hoodoo.h,
+ * shards in scree/shard_recipe.h. Returns SCREE_OK or SYNTAX; error: may be NULL. */
 SCREE_API scree_result scree_recipe_get_kind(const char* text, size_t size, scree_recipe_kind* out, scree_error* error);
 
 typedef struct scree_range {
