@@ -182,13 +182,12 @@ scree_result bake_rock(bake_run* bake, bake_worker* worker, uint32_t cell, uint3
   worker->mesh_seconds += now - start;
   for (uint32_t level = 0; level < recipe->lod_levels && result == SCREE_OK; ++level) {
     const mesh_buffer* mesh = &worker->mesher.meshes[level];
-    const lattice_mesh source = {mesh->positions,
-                                 mesh->occlusion,
-                                 mesh->indices,
-                                 mesh->vertex_count,
-                                 mesh->index_count / 3,
-                                 worker->mesher.errors[level],
-                                 NULL};
+    const lattice_mesh source = {.positions = mesh->positions,
+                                 .occlusion = mesh->occlusion,
+                                 .indices = mesh->indices,
+                                 .vertex_count = mesh->vertex_count,
+                                 .triangle_count = mesh->index_count / 3,
+                                 .error = worker->mesher.errors[level]};
     const bool coarsest = level + 1 == recipe->lod_levels;
     result = (coarsest ? plain_encode : draco_encode)(&source, &bake->allocator, &out->lods[level]);
     out->lods[level].error = source.error;

@@ -263,8 +263,12 @@ static scree_result mesh_grain(proxy_scratch* s, uint32_t part, mesh_buffer* mes
 }
 
 static scree_result encode(const proxy_scratch* s, const mesh_buffer* mesh, uint32_t level, float error, rock_lod* out) {
-  const lattice_mesh source = {mesh->positions,       mesh->occlusion, mesh->indices, mesh->vertex_count,
-                               mesh->index_count / 3, error,           NULL};
+  const lattice_mesh source = {.positions = mesh->positions,
+                               .occlusion = mesh->occlusion,
+                               .indices = mesh->indices,
+                               .vertex_count = mesh->vertex_count,
+                               .triangle_count = mesh->index_count / 3,
+                               .error = error};
   const bool coarsest = level + 1 == s->bake->recipe.lod_levels;
   const scree_result result = (coarsest ? plain_encode : draco_encode)(&source, &s->bake->allocator, out);
   out->error = error;

@@ -8,6 +8,11 @@
 #define ROCK_MAX_LODS 6
 #define ROCK_MAX_HULL 64
 
+/* What 0 and 65535 of the UVs in a pack stand for: one range for all its meshes, min <= max, finite. */
+typedef struct uv_range {
+  float min[2], max[2];
+} uv_range;
+
 /* A mesh on the pack's lattice, before encoding. */
 typedef struct lattice_mesh {
   int16_t (*positions)[3]; /* lattice steps relative to the home cell's centre */
@@ -16,8 +21,12 @@ typedef struct lattice_mesh {
   uint32_t vertex_count;
   uint32_t triangle_count;
   float error; /* cells */
-  /* Of models, NULL for rocks: material, durability, curvature + 128 and 0 of each vertex, see scree_vertex. */
+  /* Of models, NULL for rocks: material, durability, curvature + 128 and group of each vertex, see scree_vertex. group: the
+   * smoothing group, 0 but in cliffs; vertices that differ in it are different vertices, so their normals do not mix. */
   uint8_t (*surface)[4];
+  /* Of cliffs and their blocks, else NULL; within `uv_bounds`, to which the encoders clamp them. */
+  float (*uvs)[2];
+  uv_range uv_bounds; /* the pack's: that of the cliff_record */
 } lattice_mesh;
 
 typedef struct rock_lod {
@@ -51,6 +60,16 @@ typedef struct model_record {
   uint32_t part_count;
 } model_record;
 
+/* What a cliff has beside models: variant 0 is the cliff, of as many ages as there are times; all others are blocks, of one age
+ * each (model_record.share and steps of the cliff's ages: what stands, and paths; of blocks: of the volume at the start, and the
+ * path at which it fell). */
+typedef struct cliff_record {
+  uint32_t time_count;             /* 1..255 */
+  const uint32_t* placement_first; /* time_count + 1: time t has the placements placement_first[t] .. placement_first[t + 1] - 1 */
+  const scree_block_placement* placements; /* in any order within a time: the writer puts near ones together */
+  uv_range uvs;                            /* of all meshes */
+} cliff_record;
+
 typedef struct proxy_record {
   rock_lod lods[ROCK_MAX_LODS];
 } proxy_record;
@@ -66,6 +85,7 @@ typedef struct rock_set {
   const proxy_record* proxies; /* NULL, or 256 * 9 by (code, part) */
   uint32_t proxy_per_cell;     /* lattice steps; 0 without proxies */
   const model_record* models;  /* NULL, or rock_count: cells are variants, seeds are ages, meshes have a surface */
+  const cliff_record* cliff;   /* NULL, or models are a cliff and its blocks, and every mesh has UVs */
   const char* recipe;          /* JSON, NUL-terminated */
 } rock_set;
 

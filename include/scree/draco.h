@@ -21,6 +21,12 @@ SCREE_API scree_result scree_draco_decode_u16(const scree_pack* pack, uint32_t a
 SCREE_API scree_result scree_draco_decode_u32(const scree_pack* pack, uint32_t asset, uint32_t lod, scree_vertex* vertices,
                                               size_t vertex_capacity, uint32_t* indices, size_t index_capacity);
 
+/* The UVs of LOD `lod` of an asset of a cliff, and the smoothing groups, as scree_pack_coarse_uvs: in the order of the vertices
+ * that the calls above deliver. A blob decodes to the same order each time; this call decodes it once more. groups may be NULL.
+ * Returns what the calls above return, and INVALID_ARGUMENT for a pack of another kind. */
+SCREE_API scree_result scree_draco_decode_uvs(const scree_pack* pack, uint32_t asset, uint32_t lod, scree_uv* uvs, uint8_t* groups,
+                                              size_t capacity);
+
 /* The digest of a decoded mesh as the baker computes it before encoding: equal to scree_lod.digest when all is well. It does not
  * depend on the order of vertices or triangles. */
 SCREE_API uint64_t scree_mesh_digest(const scree_vertex* vertices, size_t vertex_count, const uint32_t* indices,
@@ -29,6 +35,10 @@ SCREE_API uint64_t scree_mesh_digest(const scree_vertex* vertices, size_t vertex
 /* The same for meshes of packs of models, whose digest sees material, durability and curvature too. */
 SCREE_API uint64_t scree_model_mesh_digest(const scree_vertex* vertices, size_t vertex_count, const uint32_t* indices,
                                            size_t triangle_count);
+
+/* The same for meshes of cliffs, whose digest sees UVs and groups besides. uvs, groups: vertex_count each. */
+SCREE_API uint64_t scree_cliff_mesh_digest(const scree_vertex* vertices, const scree_uv* uvs, const uint8_t* groups,
+                                           size_t vertex_count, const uint32_t* indices, size_t triangle_count);
 
 #ifdef __cplusplus
 }

@@ -16,7 +16,8 @@ typedef struct scree_vertex {
   int16_t position[3]; /* lattice steps relative to the home cell's centre, of a model to the middle of its ground; times cell_size
                           / lattice_per_cell = metres */
   uint8_t occlusion;   /* ambient visibility, 255 = open sky, 0 = wholly hidden; linear */
-  uint8_t material;    /* low 4 bits: 0 = rock, 1 = colluvium; high 4 bits: the bed, 0..15, see scree_surface_vertex.layer */
+  uint8_t material;    /* low 4 bits: 0 = rock, 1 = colluvium, 2 = a cut face, of cliffs only; high 4 bits: the bed, 0..15, see
+                          scree_surface_vertex.layer */
   int16_t normal[3];   /* unit normal, signed normalised: value / 32767 */
   uint8_t durability;  /* of the rock beneath: 4 * value / 255, where 255 also means more; 0 in packs of tiles */
   int8_t curvature;    /* -127..127 = -1..1: < 0 = hollows, > 0 = edges and tips; 0 in packs of tiles */
@@ -47,9 +48,10 @@ SCREE_API scree_result scree_pack_verify(const scree_pack* pack);
 
 /* What a pack holds. */
 typedef enum scree_pack_kind {
-  SCREE_PACK_TILES = 0, /* rocks that fill tiles: for fields */
-  SCREE_PACK_MODELS = 1 /* models that stand by themselves, hoodoos for instance: variants, each in several ages. A cell is a metre
-                           at scale 1, and variants and ages take the places of cells and seeds */
+  SCREE_PACK_TILES = 0,  /* rocks that fill tiles: for fields */
+  SCREE_PACK_MODELS = 1, /* models that stand by themselves, hoodoos for instance: variants, each in several ages. A cell is a metre
+                            at scale 1, and variants and ages take the places of cells and seeds */
+  SCREE_PACK_CLIFF = 2   /* a cliff that frost splits, and the blocks that fell: models too, with times and placements */
 } scree_pack_kind;
 
 typedef struct scree_pack_info {
@@ -58,13 +60,16 @@ typedef struct scree_pack_info {
   uint32_t cells_per_cube;     /* N, cells per side of a corner cube; the recipe's and the paper's n is N + 1; 0 for models */
   uint32_t lattice_per_cell;   /* lattice steps per cell: a vertex at `v` lies v / lattice_per_cell cells from its cell's centre */
   uint32_t cell_count;         /* unique cells: 2 + 12(N-1) + 48(N-1)^2 + 256(N-1)^3; for models, variants */
-  uint32_t variant_count;      /* of models; 0 in packs of tiles */
-  uint32_t asset_count;        /* unique rocks; models, which are variants x ages */
+  uint32_t variant_count;      /* of models, of a cliff 1 + its blocks; 0 in packs of tiles */
+  uint32_t time_count;         /* of a cliff: times at which it was kept, which are the ages of variant 0; else 0 */
+  uint32_t placement_count;    /* of a cliff: of all times together; else 0 */
+  uint32_t asset_count;        /* unique rocks; models, which are all ages of all variants */
   uint32_t lod_count;          /* levels of every asset, finest first, >= 1 */
   uint32_t proxy_count;        /* merged meshes of tiles, numbered from asset_count on: 256 * 9, or 0 */
   uint32_t proxy_per_cell;     /* lattice steps per cell of their vertices */
   uint32_t max_rocks_per_cell; /* seeds are numbered below this, so no cell has more rocks, and no variant more ages; >= 1 */
   float max_radius;            /* largest outer radius of all assets, cells */
+  float uv_min[2], uv_max[2];  /* of a cliff: what the values 0 and 65535 of a scree_uv stand for; else 0 */
   uint64_t digest;             /* of everything baked, however it was encoded; compare this between builds */
   const char* recipe;          /* the recipe's JSON, NUL-terminated, owned by the pack */
   size_t recipe_size;          /* without the NUL */
@@ -82,7 +87,7 @@ typedef struct scree_pack_section {
   uint64_t digest;   /* XXH3-64 of its bytes, as the file says; scree_pack_verify checks it */
 } scree_pack_section;
 
-#define SCREE_PACK_SECTIONS 11 /* at most; packs of tiles have the first 9 */
+#define SCREE_PACK_SECTIONS 14 /* at most: those of cliffs; packs of tiles have the first 9, those of models the first 11 */
 
 /* index: 0..SCREE_PACK_SECTIONS - 1. Returns SCREE_OK, or INVALID_ARGUMENT, also for a section that packs of this kind lack. */
 SCREE_API scree_result scree_pack_get_section(const scree_pack* pack, uint32_t index, scree_pack_section* out);
@@ -164,30 +169,78 @@ SCREE_API scree_result scree_pack_cell_assets(const scree_pack* pack, uint32_t c
 
 /* --- models ----------------------------------------------------------------------------------------------------------------- */
 
-/* What models have beside a scree_asset. Metres at scale 1; the origin is the middle of the ground that the model was made on, the
- * same for all ages of a variant, so that one can take the place of another; y is the height above the ground, and meshes may reach
- * below it. */
+/* What models have beside a scree_asset, of cliffs too. Metres at scale 1; the origin is the middle of the ground that the model
+ * was made on, the same for all ages of a variant, so that one can take the place of another; y is the height above the ground, and
+ * meshes may reach below it. */
 typedef struct scree_model {
   uint32_t variant;    /* 0..variant_count - 1 */
   uint32_t age;        /* 0 = youngest */
   float footprint;     /* what stands at the height of the ground stays within this distance of the origin */
   float height;        /* above the ground */
   float share;         /* of the volume of rock at the start that is left, 0..1 */
-  uint32_t steps;      /* of weathering since the start */
+  uint32_t steps;      /* of weathering since the start; of a cliff, paths of water */
   uint32_t part_count; /* convex parts, 1..255 */
 } scree_model;
 
 /* Returns SCREE_OK, INVALID_ARGUMENT (asset out of range, a pack of tiles) or CORRUPT. */
 SCREE_API scree_result scree_pack_get_model(const scree_pack* pack, uint32_t asset, scree_model* out);
 
-/* The asset of a variant at an age. How many ages a variant has: scree_pack_cell_assets. Returns UINT32_MAX if the arguments are
- * out of range or the pack is one of tiles. */
+/* The asset of a variant at an age, of a cliff too. How many ages a variant has: scree_pack_cell_assets. Returns UINT32_MAX if the
+ * arguments are out of range or the pack is one of tiles. */
 SCREE_API uint32_t scree_pack_model(const scree_pack* pack, uint32_t variant, uint32_t age);
 
 /* Copies the vertices of one convex part of a model, for physics; all parts together cover it better than its one hull does. Same
  * rules as scree_pack_get_hull. part: 0..part_count - 1; 4..64 vertices. */
 SCREE_API scree_result scree_pack_get_part(const scree_pack* pack, uint32_t asset, uint32_t part, int16_t* xyz, uint32_t capacity,
                                            uint32_t* count);
+
+/* --- cliffs ----------------------------------------------------------------------------------------------------------------- */
+
+/* A cliff is a pack of models and more. Variant 0 is the cliff; its ages are the times at which it was kept, all with the same
+ * origin. Variants 1.. are the blocks that fell, of one age each, positions relative to their centroid. At each time some of the
+ * blocks lie about: placements say where. Vertices have UVs, see scree_pack_coarse_uvs; edges of cuts are sharp: vertices there are
+ * not shared, so normals need no further data. */
+
+/* A block that lies somewhere: a place p of its mesh is at translation + rotation * p. */
+typedef struct scree_block_placement {
+  uint32_t asset;       /* of a block */
+  float translation[3]; /* metres, relative to the origin of the cliff */
+  float rotation[4];    /* unit quaternion x, y, z, w */
+} scree_block_placement;
+
+/* One time. */
+typedef struct scree_cliff_time {
+  uint32_t asset;           /* of the cliff at this time: scree_pack_model(pack, 0, time) */
+  uint32_t paths;           /* of water since the start */
+  float share;              /* of the volume of rock at the start that stands, 0..1 */
+  uint32_t first_placement; /* in the numbering of all placements */
+  uint32_t placement_count; /* of blocks that lie about, ordered so that near ones are mostly near in number */
+  float bounds_min[3];      /* that hold the balls of these blocks, metres; 0 where there is none */
+  float bounds_max[3];
+} scree_cliff_time;
+
+/* time: 0..time_count - 1, in the order of ages. Returns SCREE_OK, INVALID_ARGUMENT (also for a pack of another kind) or CORRUPT.
+ * Thread-safe, as the next. */
+SCREE_API scree_result scree_pack_get_time(const scree_pack* pack, uint32_t time, scree_cliff_time* out);
+
+/* Copies the placements first .. first + count - 1, of one time or of several: any range, so that they can be read by and by.
+ * placements: `count` elements, may be NULL when count is 0. Returns SCREE_OK, INVALID_ARGUMENT (out of range, a pack of another
+ * kind) or CORRUPT. */
+SCREE_API scree_result scree_pack_get_placements(const scree_pack* pack, uint32_t first, uint32_t count,
+                                                 scree_block_placement* placements);
+
+/* UVs of a vertex, for a vertex buffer of unsigned normalised 16-bit numbers: u = uv_min[0] + (uv_max[0] - uv_min[0]) * value /
+ * 65535 with the range of scree_pack_info, v likewise. */
+typedef struct scree_uv {
+  uint16_t u, v;
+} scree_uv;
+
+/* The UVs of the coarsest level of an asset of a cliff, and the smoothing groups of its vertices, in the order of the vertices of
+ * scree_pack_coarse_mesh. Vertices at one place with different groups have normals of their own.
+ * uvs, groups: `capacity` elements, at least as many as scree_lod says; groups may be NULL. Returns SCREE_OK, CAPACITY,
+ * INVALID_ARGUMENT (also for a pack of another kind) or CORRUPT. Allocates nothing. Thread-safe. */
+SCREE_API scree_result scree_pack_coarse_uvs(const scree_pack* pack, uint32_t asset, scree_uv* uvs, uint8_t* groups,
+                                             size_t capacity);
 
 #ifdef __cplusplus
 }
