@@ -52,6 +52,7 @@ typedef struct shard_asset_desc {
   const uint8_t* inside;     /* of each shard: 1 = it is part of the asset */
   const uint8_t* durability; /* of each shard, the byte of the pack; NULL = 64 */
   double origin[3];
+  double rotation[4]; /* unit quaternion x, y, z, w about the origin, before anything else: a block as it lies; all zero = none */
   double steps_per_metre; /* > 0; everything must lie within 32767 steps of the origin */
   uint32_t lods;          /* 1..ROCK_MAX_LODS */
   bool block;             /* no ground darkens it, one convex part */

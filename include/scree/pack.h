@@ -201,11 +201,11 @@ SCREE_API scree_result scree_pack_get_part(const scree_pack* pack, uint32_t asse
  * blocks lie about: placements say where. Vertices have UVs, see scree_pack_coarse_uvs; edges of cuts are sharp: vertices there are
  * not shared, so normals need no further data. */
 
-/* A block that lies somewhere: a place p of its mesh is at translation + rotation * p. */
+/* A block that lies somewhere: a place p of its mesh is at translation + p. Blocks are baked turned as they lie, so that no
+ * instance has a rotation; one that lies otherwise at a later time is another block. 16 bytes. */
 typedef struct scree_block_placement {
   uint32_t asset;       /* of a block */
   float translation[3]; /* metres, relative to the origin of the cliff */
-  float rotation[4];    /* unit quaternion x, y, z, w */
 } scree_block_placement;
 
 /* One time. */
