@@ -1,0 +1,89 @@
+/* What a simulation of freeze and thaw holds; shared by frost*.c, rubble and surfaces. */
+#ifndef SCREE_FROST_INTERNAL_H
+#define SCREE_FROST_INTERNAL_H
+
+#include <scree/frost.h>
+
+#include "allocator.h"
+#include "random.h"
+#include "shards_internal.h"
+
+enum { FROST_LAST_PATH = 4096 /* links of the last path that are kept */ };
+
+/* A neighbour that water can go down to. */
+typedef struct frost_way {
+  double pull; /* f_g of the paper, > 0 */
+  uint32_t link;
+  uint32_t padding;
+} frost_way;
+
+/* A rain ready to be drawn from. */
+typedef struct frost_rain {
+  double axis[3]; /* unit, towards where it comes from */
+  double side[3], other[3];
+  double cosine, sine, cap; /* of the spread; 1 - cosine */
+  double weight;
+} frost_rain;
+
+/* What follows from shards and rules alone, and the sums of weights, in one allocation. */
+typedef struct frost_tables {
+  double gravity[3];   /* unit */
+  double* resistance;  /* of each link, 0 .. 1 - 2^-20 */
+  uint32_t* way_first; /* link_count + 1 */
+  frost_way* ways;     /* of link l: ways[way_first[l]] .., by link */
+  uint64_t* trees;     /* Fenwick trees of the exterior links' weights, link_count + 1 for each rain */
+  uint64_t totals[SCREE_FROST_RAINS];
+  frost_rain rains[SCREE_FROST_RAINS];
+  double solid_absorption, air_absorption, damage; /* per area: k_solid, k_air and k_dmg of the paper */
+  void* memory;
+  size_t size;
+} frost_tables;
+
+struct scree_frost {
+  scree_allocator allocator;
+  const scree_shards* shards;
+  scree_shards_view view;  /* of the shards */
+  scree_frost_rules rules; /* its pointers are NULL: what they pointed to is in the tables */
+  frost_tables tables;
+  double weight_scale; /* areas to integer weights: all together stay below 2^52 */
+
+  /* The state. */
+  uint8_t* states;   /* scree_shard_state of each shard */
+  uint8_t* open;     /* of each shard: 1 where it is air that joins the outside, through faces */
+  uint8_t* exterior; /* of each link, see scree_frost_view */
+  double* lives;     /* of each link; > 0 only between two shards that stand */
+  double* passage;   /* of each link: 1 - life * resistance, 0 where no rock is on either side and so no water */
+  random_stream stream;
+  scree_frost_stats stats; /* its `volume` is kept by sums; memory too */
+  uint32_t unchecked;      /* breaks since stability was looked at */
+
+  /* What fell and was kept, in the order of falling: a shard is in at most one block. */
+  scree_block* blocks;
+  uint32_t* block_shards;
+  uint32_t block_shard_count; /* stats.blocks is the number of blocks */
+
+  /* Scratch. */
+  uint32_t* queues[2]; /* shard_count each */
+  uint32_t* marks;     /* of each shard, to be held against stamp */
+  uint32_t* parents;   /* of each shard */
+  uint32_t stamp;
+
+  uint32_t* path_links; /* FROST_LAST_PATH */
+  double* path_water;   /* what reached each */
+  uint32_t path_length; /* may be more than is kept */
+};
+
+static inline bool frost_stands(const scree_frost* f, uint32_t shard) {
+  return f->states[shard] != SCREE_SHARD_AIR;
+}
+
+/* The shard on the other side of a link: SCREE_NO_SHARD for the outside. */
+static inline uint32_t frost_across(const scree_link* link, uint32_t shard) {
+  return link->shards[0] == shard ? link->shards[1] : link->shards[0];
+}
+
+/* Breaks a link as water would: life 0, one more in stats.breaks, and what then hangs on nothing falls at once. The caller counts
+ * why: stats.forced, stats.overloaded. Nothing happens where the link is broken already. frost_detach.c. */
+void frost_break_link(scree_frost* f, uint32_t link);
+
+#endif
