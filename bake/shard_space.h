@@ -6,6 +6,7 @@
 
 #include <math.h>
 #include <stdbool.h>
+#include <stddef.h>
 
 typedef struct shard_space {
   double axis[3][3]; /* unit: the pattern's x, y, z in the solid's space */
