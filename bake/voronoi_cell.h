@@ -1,10 +1,10 @@
 /* Voronoi cells one at a time: a grid of seeds, and a convex cell that bisectors and walls cut.
  *
- * A cell is kept as its dual: a vertex is a triple of planes, counter-clockwise seen from outside, and knows the three vertices
- * that it shares an edge with. A plane that cuts r vertices off takes out a disk of the dual with r + 2 border edges; each becomes
- * a vertex with the new plane, so that the r freed slots are filled and 2 are added. What is not such a disk is a near-degenerate
- * cell. A vertex's position is solved from its three planes, never carried on from older ones. Based on: Ray, Sokolov, Lefebvre,
- * Levy 2018, "Meshless Voronoi on the GPU"; with links between vertices and without its limits.
+ * A cell is kept as its dual: a corner is a triple of planes, counter-clockwise seen from outside, and knows the three corners that
+ * it shares an edge with. The corners that a plane cuts off are a disk of the dual; each edge of its border becomes a corner with
+ * the new plane. What is not such a disk is a near-degenerate cell. A corner's position is solved from its three planes, never
+ * carried on from older ones.
+ * Based on: Ray, Sokolov, Lefebvre, Levy 2018, "Meshless Voronoi on the GPU"; with links between corners and without its limits.
  *
  * Only + - * / and sqrt, ties to the lowest index: cells repeat to the bit. */
 #ifndef SCREE_VORONOI_CELL_H

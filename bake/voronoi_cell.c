@@ -1,0 +1,514 @@
+#include "voronoi_cell.h"
+
+#include <string.h>
+
+/* Neighbours cut before the walls: enough that few walls still reach the cell, which is then small. */
+enum { BEFORE_WALLS = 24 };
+
+typedef struct near_seed {
+  double distance2;
+  uint32_t point; /* in the grid's points */
+  uint32_t seed;
+} near_seed;
+
+/* An edge of the hole that a plane leaves: from plane a to plane b, kept corner `beyond` on its other side. */
+typedef struct hole_edge {
+  uint32_t a, b, beyond;
+} hole_edge;
+
+/* --- memory ----------------------------------------------------------------------------------------------------------------- */
+
+static bool grow(const scree_allocator* allocator, void* array, size_t old_count, size_t new_count, size_t size) {
+  void* old;
+  memcpy(&old, array, sizeof old);
+  void* memory = scree_rt_allocate(allocator, new_count, size);
+  if (memory == NULL) return false;
+  if (old_count > 0) memcpy(memory, old, old_count * size);
+  scree_rt_release(allocator, old, old_count, size);
+  memcpy(array, &memory, sizeof memory);
+  return true;
+}
+
+static void release_corners(voronoi_cell* cell) {
+  const size_t n = cell->corner_capacity;
+  scree_rt_release(cell->allocator, cell->positions, n, sizeof *cell->positions);
+  scree_rt_release(cell->allocator, cell->corners, n, sizeof *cell->corners);
+  scree_rt_release(cell->allocator, cell->indices, 3 * n, sizeof *cell->indices);
+  scree_rt_release(cell->allocator, cell->x, n, sizeof *cell->x);
+  scree_rt_release(cell->allocator, cell->y, n, sizeof *cell->y);
+  scree_rt_release(cell->allocator, cell->z, n, sizeof *cell->z);
+  scree_rt_release(cell->allocator, cell->removed, n, sizeof *cell->removed);
+  scree_rt_release(cell->allocator, cell->outside, n, sizeof *cell->outside);
+}
+
+/* All arrays of corners together: a new set is taken before the old one goes, so that a failure changes nothing. */
+static bool need_corners(voronoi_cell* cell, size_t count) {
+  if (count <= cell->corner_capacity) return true;
+  const size_t n = count < 64 ? 128 : 2 * count;
+  voronoi_cell larger = *cell;
+  larger.corner_capacity = (uint32_t)n;
+  larger.positions = scree_rt_allocate(cell->allocator, n, sizeof *cell->positions);
+  larger.corners = scree_rt_allocate(cell->allocator, n, sizeof *cell->corners);
+  larger.indices = scree_rt_allocate(cell->allocator, 3 * n, sizeof *cell->indices);
+  larger.x = scree_rt_allocate(cell->allocator, n, sizeof *cell->x);
+  larger.y = scree_rt_allocate(cell->allocator, n, sizeof *cell->y);
+  larger.z = scree_rt_allocate(cell->allocator, n, sizeof *cell->z);
+  larger.removed = scree_rt_allocate(cell->allocator, n, sizeof *cell->removed);
+  larger.outside = scree_rt_allocate(cell->allocator, n, sizeof *cell->outside);
+  if (larger.positions == NULL || larger.corners == NULL || larger.indices == NULL || larger.x == NULL || larger.y == NULL ||
+      larger.z == NULL || larger.removed == NULL || larger.outside == NULL) {
+    release_corners(&larger);
+    return false;
+  }
+  const size_t used = cell->corner_capacity;
+  if (used > 0) {
+    memcpy(larger.corners, cell->corners, used * sizeof *cell->corners);
+    memcpy(larger.x, cell->x, used * sizeof *cell->x);
+    memcpy(larger.y, cell->y, used * sizeof *cell->y);
+    memcpy(larger.z, cell->z, used * sizeof *cell->z);
+    memcpy(larger.removed, cell->removed, used * sizeof *cell->removed);
+    memcpy(larger.outside, cell->outside, used * sizeof *cell->outside);
+  }
+  release_corners(cell);
+  *cell = larger;
+  return true;
+}
+
+static bool need_planes(voronoi_cell* cell, size_t count) {
+  const size_t old = cell->plane_capacity, n = count < 32 ? 64 : 2 * count;
+  if (count <= old) return true;
+  voronoi_plane* planes = scree_rt_allocate(cell->allocator, n, sizeof *planes);
+  voronoi_face* faces = scree_rt_allocate(cell->allocator, n, sizeof *faces);
+  uint32_t* marks = scree_rt_allocate_zeroed(cell->allocator, n, 2 * sizeof *marks);
+  if (planes == NULL || faces == NULL || marks == NULL) {
+    scree_rt_release(cell->allocator, planes, n, sizeof *planes);
+    scree_rt_release(cell->allocator, faces, n, sizeof *faces);
+    scree_rt_release(cell->allocator, marks, n, 2 * sizeof *marks);
+    return false;
+  }
+  if (old > 0) {
+    memcpy(planes, cell->planes, old * sizeof *planes);
+    memcpy(marks, cell->marks, old * 2 * sizeof *marks);
+  }
+  scree_rt_release(cell->allocator, cell->planes, old, sizeof *planes);
+  scree_rt_release(cell->allocator, cell->faces, old, sizeof *faces);
+  scree_rt_release(cell->allocator, cell->marks, old, 2 * sizeof *marks);
+  cell->planes = planes;
+  cell->faces = faces;
+  cell->marks = marks;
+  cell->plane_capacity = (uint32_t)n;
+  return true;
+}
+
+static bool need_near(voronoi_cell* cell, size_t count) {
+  const size_t n = count < 128 ? 256 : 2 * count;
+  if (count <= cell->near_capacity) return true;
+  if (!grow(cell->allocator, &cell->near, cell->near_capacity, n, sizeof(near_seed))) return false;
+  cell->near_capacity = (uint32_t)n;
+  return true;
+}
+
+static bool need_edges(voronoi_cell* cell, size_t count) {
+  const size_t n = count < 64 ? 128 : 2 * count;
+  if (count <= cell->edge_capacity) return true;
+  if (!grow(cell->allocator, &cell->edges, cell->edge_capacity, n, sizeof(hole_edge))) return false;
+  cell->edge_capacity = (uint32_t)n;
+  return true;
+}
+
+void voronoi_cell_free(voronoi_cell* cell) {
+  if (cell->allocator == NULL) return;
+  release_corners(cell);
+  scree_rt_release(cell->allocator, cell->planes, cell->plane_capacity, sizeof *cell->planes);
+  scree_rt_release(cell->allocator, cell->faces, cell->plane_capacity, sizeof *cell->faces);
+  scree_rt_release(cell->allocator, cell->marks, cell->plane_capacity, 2 * sizeof *cell->marks);
+  scree_rt_release(cell->allocator, cell->near, cell->near_capacity, sizeof(near_seed));
+  scree_rt_release(cell->allocator, cell->edges, cell->edge_capacity, sizeof(hole_edge));
+  *cell = (voronoi_cell){0};
+}
+
+/* --- cutting ---------------------------------------------------------------------------------------------------------------- */
+
+/* Where three planes meet. false where rounding hides it. */
+static bool meet(const voronoi_plane* a, const voronoi_plane* b, const voronoi_plane* c, double da, double db, double dc,
+                 double out[3]) {
+  const double bc[3] = {b->normal[1] * c->normal[2] - b->normal[2] * c->normal[1],
+                        b->normal[2] * c->normal[0] - b->normal[0] * c->normal[2],
+                        b->normal[0] * c->normal[1] - b->normal[1] * c->normal[0]};
+  const double ca[3] = {c->normal[1] * a->normal[2] - c->normal[2] * a->normal[1],
+                        c->normal[2] * a->normal[0] - c->normal[0] * a->normal[2],
+                        c->normal[0] * a->normal[1] - c->normal[1] * a->normal[0]};
+  const double ab[3] = {a->normal[1] * b->normal[2] - a->normal[2] * b->normal[1],
+                        a->normal[2] * b->normal[0] - a->normal[0] * b->normal[2],
+                        a->normal[0] * b->normal[1] - a->normal[1] * b->normal[0]};
+  const double det = a->normal[0] * bc[0] + a->normal[1] * bc[1] + a->normal[2] * bc[2];
+  if (!(det > 0)) return false;
+  const double inverse = 1 / det;
+  for (int axis = 0; axis < 3; ++axis) out[axis] = (da * bc[axis] + db * ca[axis] + dc * ab[axis]) * inverse;
+  return true;
+}
+
+static void measure_radius(voronoi_cell* cell) {
+  const double *x = cell->x, *y = cell->y, *z = cell->z;
+  double radius2 = 0;
+  for (size_t i = 0; i < cell->corner_count; ++i) {
+    const double r2 = x[i] * x[i] + y[i] * y[i] + z[i] * z[i];
+    radius2 = r2 > radius2 ? r2 : radius2;
+  }
+  cell->radius2 = radius2;
+}
+
+/* Fills a hole among the corners with the last of them. */
+static void move_last(voronoi_cell* cell, uint32_t hole) {
+  const uint32_t last = --cell->corner_count;
+  if (hole == last) return;
+  cell->x[hole] = cell->x[last];
+  cell->y[hole] = cell->y[last];
+  cell->z[hole] = cell->z[last];
+  const voronoi_corner moved = cell->corners[last];
+  cell->corners[hole] = moved;
+  for (int side = 0; side < 3; ++side) {
+    voronoi_corner* other = cell->corners + moved.corners[side];
+    const uint32_t b = moved.planes[side == 2 ? 0 : side + 1];
+    other->corners[other->planes[0] == b ? 0 : other->planes[1] == b ? 1 : 2] = hole;
+  }
+}
+
+/* Cuts off what lies beyond a plane. */
+static scree_result cut(voronoi_cell* cell, const voronoi_plane* plane) {
+  const double nx = plane->normal[0], ny = plane->normal[1], nz = plane->normal[2], d = plane->cut;
+  const uint32_t count = cell->corner_count;
+  const double* restrict x = cell->x, * restrict y = cell->y, * restrict z = cell->z;
+  unsigned char* restrict outside = cell->outside;
+  unsigned any = 0;
+  for (size_t i = 0; i < count; ++i) {
+    const unsigned char out = nx * x[i] + ny * y[i] + nz * z[i] > d;
+    outside[i] = out;
+    any |= out;
+  }
+  if (!any) return SCREE_OK;
+  uint32_t removed = 0;
+  for (uint32_t i = 0; i < count; ++i) {
+    cell->removed[removed] = i;
+    removed += cell->outside[i];
+  }
+  if (removed == count) {
+    cell->corner_count = 0;
+    return SCREE_OK;
+  }
+  if (!need_edges(cell, removed + (size_t)2) || !need_corners(cell, count + (size_t)2) ||
+      !need_planes(cell, cell->plane_count + (size_t)1))
+    return SCREE_ERROR_OUT_OF_MEMORY;
+
+  hole_edge* edges = cell->edges;
+  uint32_t edge_count = 0;
+  const uint32_t stamp = ++cell->stamp;
+  for (uint32_t k = 0; k < removed; ++k) {
+    const voronoi_corner* corner = cell->corners + cell->removed[k];
+    for (int side = 0; side < 3; ++side) {
+      if (cell->outside[corner->corners[side]]) continue;
+      const uint32_t a = corner->planes[side], b = corner->planes[side == 2 ? 0 : side + 1];
+      if (edge_count == removed + 2 || cell->marks[2 * (size_t)a] == stamp) return SCREE_ERROR_UNSUPPORTED;
+      cell->marks[2 * (size_t)a] = stamp;
+      cell->marks[2 * (size_t)a + 1] = edge_count;
+      edges[edge_count++] = (hole_edge){a, b, corner->corners[side]};
+    }
+  }
+  if (edge_count < 3) return SCREE_ERROR_UNSUPPORTED;
+
+  const uint32_t added = cell->plane_count++;
+  cell->planes[added] = *plane;
+  uint32_t at = 0, before = UINT32_MAX, first = UINT32_MAX;
+  for (uint32_t k = 0; k < edge_count; ++k) {
+    const hole_edge edge = edges[at];
+    const uint32_t slot = k < removed ? cell->removed[k] : count + k - removed;
+    double position[3];
+    const voronoi_plane *a = cell->planes + edge.a, *b = cell->planes + edge.b;
+    if (!meet(a, b, plane, a->cut, b->cut, d, position)) return SCREE_ERROR_UNSUPPORTED;
+    cell->x[slot] = position[0];
+    cell->y[slot] = position[1];
+    cell->z[slot] = position[2];
+    voronoi_corner* corner = cell->corners + slot;
+    corner->planes[0] = edge.a;
+    corner->planes[1] = edge.b;
+    corner->planes[2] = added;
+    corner->corners[0] = edge.beyond;
+    corner->corners[2] = before;
+    if (before == UINT32_MAX)
+      first = slot;
+    else
+      cell->corners[before].corners[1] = slot;
+    voronoi_corner* beyond = cell->corners + edge.beyond;
+    beyond->corners[beyond->planes[0] == edge.b ? 0 : beyond->planes[1] == edge.b ? 1 : 2] = slot;
+    before = slot;
+    if (cell->marks[2 * (size_t)edge.b] != stamp) return SCREE_ERROR_UNSUPPORTED;
+    at = cell->marks[2 * (size_t)edge.b + 1];
+    if (at == 0 && k + 1 < edge_count) return SCREE_ERROR_UNSUPPORTED; /* more than one loop */
+  }
+  if (at != 0) return SCREE_ERROR_UNSUPPORTED;
+  cell->corners[before].corners[1] = first;
+  cell->corners[first].corners[2] = before;
+  cell->corner_count = edge_count > removed ? count + edge_count - removed : count;
+  for (uint32_t k = removed; k-- > edge_count;) move_last(cell, cell->removed[k]);
+  measure_radius(cell);
+  return SCREE_OK;
+}
+
+static bool start_box(voronoi_cell* cell, const voronoi_bounds* bounds) {
+  if (!need_planes(cell, VORONOI_BOX) || !need_corners(cell, 8)) return false;
+  cell->plane_count = VORONOI_BOX;
+  cell->corner_count = 8;
+  double offset[VORONOI_BOX];
+  for (uint32_t k = 0; k < VORONOI_BOX; ++k) {
+    const uint32_t axis = k / 2;
+    offset[k] = k % 2 == 0 ? cell->origin[axis] - bounds->min[axis] : bounds->max[axis] - cell->origin[axis];
+    cell->planes[k] = (voronoi_plane){.offset = offset[k], .cut = offset[k], .neighbour = VORONOI_WALL + k};
+    cell->planes[k].normal[axis] = k % 2 == 0 ? -1 : 1;
+  }
+  for (uint32_t i = 0; i < 8; ++i) {
+    const uint32_t sign[3] = {i & 1, i >> 1 & 1, i >> 2 & 1};
+    cell->x[i] = sign[0] ? offset[1] : -offset[0];
+    cell->y[i] = sign[1] ? offset[3] : -offset[2];
+    cell->z[i] = sign[2] ? offset[5] : -offset[4];
+    /* A mirrored corner is walked the other way round. The edge of two planes goes along the third's axis. */
+    const bool mirrored = (sign[0] + sign[1] + sign[2]) % 2 == 0;
+    voronoi_corner* corner = cell->corners + i;
+    const uint32_t x = sign[0], y = 2 + sign[1], z = 4 + sign[2];
+    *corner = mirrored ? (voronoi_corner){{x, z, y}, {i ^ 2, i ^ 1, i ^ 4}} : (voronoi_corner){{x, y, z}, {i ^ 4, i ^ 1, i ^ 2}};
+  }
+  measure_radius(cell);
+  return true;
+}
+
+/* --- neighbours ------------------------------------------------------------------------------------------------------------- */
+
+static bool nearer(const near_seed* a, const near_seed* b) {
+  return a->distance2 < b->distance2 || (a->distance2 == b->distance2 && a->seed < b->seed);
+}
+
+static void sort_few(near_seed* seeds, size_t count) {
+  for (size_t i = 1; i < count; ++i) {
+    const near_seed moved = seeds[i];
+    size_t k = i;
+    for (; k > 0 && nearer(&moved, seeds + k - 1); --k) seeds[k] = seeds[k - 1];
+    seeds[k] = moved;
+  }
+}
+
+static void sift(near_seed* seeds, size_t at, size_t count) {
+  const near_seed moved = seeds[at];
+  for (;;) {
+    size_t child = 2 * at + 1;
+    if (child >= count) break;
+    if (child + 1 < count && nearer(seeds + child, seeds + child + 1)) ++child;
+    if (!nearer(&moved, seeds + child)) break;
+    seeds[at] = seeds[child];
+    at = child;
+  }
+  seeds[at] = moved;
+}
+
+/* Rising by distance. */
+static void sort_near(near_seed* seeds, size_t count) {
+  if (count > 48) {
+    for (size_t i = count / 2; i-- > 0;) sift(seeds, i, count);
+    while (count > 1) {
+      const near_seed farthest = seeds[0];
+      seeds[0] = seeds[--count];
+      seeds[count] = farthest;
+      sift(seeds, 0, count);
+    }
+  } else
+    sort_few(seeds, count);
+}
+
+static scree_result cut_by_seed(voronoi_cell* cell, const voronoi_grid* grid, const near_seed* near) {
+  const double* point = grid->points + 3 * (size_t)near->point;
+  voronoi_plane plane = {.offset = near->distance2 / 2, .cut = near->distance2 / 2, .neighbour = near->seed};
+  for (int axis = 0; axis < 3; ++axis) plane.normal[axis] = point[axis] - cell->origin[axis];
+  return cut(cell, &plane);
+}
+
+static scree_result cut_by_walls(voronoi_cell* cell, const voronoi_bounds* bounds) {
+  for (uint32_t k = 0; k < bounds->wall_count && cell->corner_count > 0; ++k) {
+    const voronoi_wall* wall = bounds->walls + k;
+    const double* n = wall->normal;
+    const double along = n[0] * cell->origin[0] + n[1] * cell->origin[1] + n[2] * cell->origin[2];
+    const double d = wall->cut - along;
+    if (d > 0 && d * d > cell->radius2) continue;
+    const voronoi_plane plane = {{n[0], n[1], n[2]}, wall->offset - along, d, VORONOI_WALL + VORONOI_BOX + k};
+    const scree_result result = cut(cell, &plane);
+    if (result != SCREE_OK) return result;
+  }
+  return SCREE_OK;
+}
+
+/* How far a box of the grid is along one axis. */
+static double gap(const voronoi_grid* grid, int axis, int box, double x) {
+  const double low = grid->min[axis] + box * grid->step[axis] - x;
+  const double high = x - (grid->min[axis] + (box + 1) * grid->step[axis]);
+  return low > 0 ? low : high > 0 ? high : 0;
+}
+
+/* Adds the seeds of one ring of boxes (ring 1: of the 27 in the middle) that may still cut the cell. */
+static bool gather(voronoi_cell* cell, const voronoi_grid* grid, const int centre[3], int ring, size_t* count) {
+  *count = 0;
+  /* A hair more than twice the radius, for boxes' rounded sides. */
+  const double reach2 = 4 * cell->radius2 * (1 + 1e-9);
+  for (int z = centre[2] - ring; z <= centre[2] + ring; ++z) {
+    if (z < 0 || z >= (int)grid->size[2]) continue;
+    const double gap_z = gap(grid, 2, z, cell->origin[2]);
+    if (gap_z * gap_z > reach2) continue;
+    for (int y = centre[1] - ring; y <= centre[1] + ring; ++y) {
+      if (y < 0 || y >= (int)grid->size[1]) continue;
+      const double gap_y = gap(grid, 1, y, cell->origin[1]), gap_yz = gap_y * gap_y + gap_z * gap_z;
+      if (gap_yz > reach2) continue;
+      const bool whole =
+          ring == 1 || z == centre[2] - ring || z == centre[2] + ring || y == centre[1] - ring || y == centre[1] + ring;
+      for (int x = centre[0] - ring; x <= centre[0] + ring; x += whole ? 1 : 2 * ring) {
+        if (x < 0 || x >= (int)grid->size[0]) continue;
+        const double gap_x = gap(grid, 0, x, cell->origin[0]);
+        if (gap_x * gap_x + gap_yz > reach2) continue;
+        const uint32_t box = ((uint32_t)z * grid->size[1] + (uint32_t)y) * grid->size[0] + (uint32_t)x;
+        const uint32_t first = grid->first[box], end = grid->first[box + 1];
+        if (!need_near(cell, *count + (end - first))) return false;
+        near_seed* near = cell->near;
+        for (uint32_t i = first; i < end; ++i) {
+          const double* point = grid->points + 3 * (size_t)i;
+          const double dx = point[0] - cell->origin[0], dy = point[1] - cell->origin[1], dz = point[2] - cell->origin[2];
+          const double d2 = dx * dx + dy * dy + dz * dz;
+          if (d2 > reach2 || grid->order[i] == cell->seed) continue;
+          near[(*count)++] = (near_seed){d2, i, grid->order[i]};
+        }
+      }
+    }
+  }
+  return true;
+}
+
+/* The squared distance beyond which all seeds outside the boxes up to `ring` are; -1 when there are none. */
+static double beyond_ring(const voronoi_cell* cell, const voronoi_grid* grid, const int centre[3], int ring) {
+  double least = -1;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (centre[axis] - ring > 0) {
+      const double d = cell->origin[axis] - (grid->min[axis] + (centre[axis] - ring) * grid->step[axis]);
+      if (least < 0 || d < least) least = d;
+    }
+    if (centre[axis] + ring + 1 < (int)grid->size[axis]) {
+      const double d = grid->min[axis] + (centre[axis] + ring + 1) * grid->step[axis] - cell->origin[axis];
+      if (least < 0 || d < least) least = d;
+    }
+  }
+  return least < 0 ? -1 : least * least;
+}
+
+/* Cuts by near seeds, nearest first, until none reaches the cell any more. */
+static scree_result cut_by_near(voronoi_cell* cell, const voronoi_grid* grid, size_t from, size_t to) {
+  const near_seed* near = cell->near;
+  for (size_t i = from; i < to && cell->corner_count > 0 && near[i].distance2 <= 4 * cell->radius2; ++i) {
+    const scree_result result = cut_by_seed(cell, grid, near + i);
+    if (result != SCREE_OK) return result;
+  }
+  return SCREE_OK;
+}
+
+static scree_result cut_all(voronoi_cell* cell, const voronoi_grid* grid, const voronoi_bounds* bounds) {
+  const uint32_t box = grid->box_of[cell->seed];
+  const int centre[3] = {(int)(box % grid->size[0]), (int)(box / grid->size[0] % grid->size[1]),
+                         (int)(box / grid->size[0] / grid->size[1])};
+  for (int ring = 1;; ++ring) {
+    size_t count, done = 0;
+    if (!gather(cell, grid, centre, ring, &count)) return SCREE_ERROR_OUT_OF_MEMORY;
+    if (count > 0) sort_near(cell->near, count);
+    scree_result result = SCREE_OK;
+    if (ring == 1) {
+      done = count < BEFORE_WALLS ? count : BEFORE_WALLS;
+      result = cut_by_near(cell, grid, 0, done);
+      if (result == SCREE_OK) result = cut_by_walls(cell, bounds);
+    }
+    if (result == SCREE_OK) result = cut_by_near(cell, grid, done, count);
+    if (result != SCREE_OK || cell->corner_count == 0) return result;
+    const double beyond2 = beyond_ring(cell, grid, centre, ring);
+    if (beyond2 < 0 || beyond2 > 4 * cell->radius2 * (1 + 1e-9)) return SCREE_OK;
+  }
+}
+
+/* --- what is read ----------------------------------------------------------------------------------------------------------- */
+
+/* Corners that only decisions put by `cut` get their place by `offset`. */
+static bool solve_positions(voronoi_cell* cell) {
+  for (size_t i = 0; i < cell->corner_count; ++i) {
+    const uint32_t* planes = cell->corners[i].planes;
+    const voronoi_plane *a = cell->planes + planes[0], *b = cell->planes + planes[1], *c = cell->planes + planes[2];
+    double* out = cell->positions[i];
+    if (a->cut == a->offset && b->cut == b->offset && c->cut == c->offset) {
+      out[0] = cell->x[i];
+      out[1] = cell->y[i];
+      out[2] = cell->z[i];
+    } else if (!meet(a, b, c, a->offset, b->offset, c->offset, out))
+      return false;
+  }
+  return true;
+}
+
+static bool list_faces(voronoi_cell* cell) {
+  const uint32_t stamp = ++cell->stamp;
+  cell->face_count = 0;
+  cell->index_count = 0;
+  for (uint32_t i = 0; i < cell->corner_count; ++i)
+    for (int side = 0; side < 3; ++side) {
+      const uint32_t plane = cell->corners[i].planes[side];
+      if (cell->marks[2 * (size_t)plane] == stamp) continue;
+      cell->marks[2 * (size_t)plane] = stamp;
+      cell->marks[2 * (size_t)plane + 1] = i;
+      const voronoi_face face = {.neighbour = cell->planes[plane].neighbour, .plane = plane};
+      uint32_t at = cell->face_count++;
+      for (; at > 0 && cell->faces[at - 1].neighbour > face.neighbour; --at) cell->faces[at] = cell->faces[at - 1];
+      cell->faces[at] = face;
+    }
+  for (uint32_t k = 0; k < cell->face_count; ++k) {
+    voronoi_face* face = cell->faces + k;
+    face->first_index = cell->index_count;
+    const uint32_t first = cell->marks[2 * (size_t)face->plane + 1];
+    uint32_t at = first;
+    do {
+      /* Each corner has three faces: more indices can only be a face that is walked wrongly. */
+      if (cell->index_count == 3 * cell->corner_count) return false;
+      cell->indices[cell->index_count++] = at;
+      const voronoi_corner* corner = cell->corners + at;
+      const int side = corner->planes[0] == face->plane ? 0 : corner->planes[1] == face->plane ? 1 : 2;
+      if (corner->planes[side] != face->plane) return false;
+      at = corner->corners[side == 0 ? 2 : side - 1];
+    } while (at != first);
+    face->count = cell->index_count - face->first_index;
+    if (face->count < 3) return false;
+  }
+  return cell->index_count == 3 * cell->corner_count;
+}
+
+scree_result voronoi_cell_make(voronoi_cell* cell, const voronoi_grid* grid, uint32_t seed, const voronoi_bounds* bounds,
+                               const scree_allocator* allocator) {
+  cell->allocator = allocator;
+  cell->seed = seed;
+  cell->face_count = cell->index_count = cell->corner_count = 0;
+  memcpy(cell->origin, grid->seeds + 3 * (size_t)seed, sizeof cell->origin);
+  /* Stamps start anew long before they come round. */
+  if (cell->stamp > UINT32_MAX / 2) {
+    memset(cell->marks, 0, cell->plane_capacity * 2 * sizeof *cell->marks);
+    cell->stamp = 0;
+  }
+  if (!start_box(cell, bounds)) return SCREE_ERROR_OUT_OF_MEMORY;
+  const scree_result result = cut_all(cell, grid, bounds);
+  if (result != SCREE_OK) return result;
+  return solve_positions(cell) && list_faces(cell) ? SCREE_OK : SCREE_ERROR_UNSUPPORTED;
+}
+
+void voronoi_cell_key(const voronoi_cell* cell, uint32_t corner, uint32_t key[4]) {
+  key[0] = cell->seed;
+  for (int k = 0; k < 3; ++k) {
+    const uint32_t next = cell->planes[cell->corners[corner].planes[k]].neighbour;
+    int at = k + 1;
+    for (; at > 0 && key[at - 1] > next; --at) key[at] = key[at - 1];
+    key[at] = next;
+  }
+}
