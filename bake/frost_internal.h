@@ -5,6 +5,7 @@
 #include <scree/frost.h>
 
 #include "allocator.h"
+#include "frost_stability.h"
 #include "random.h"
 #include "shards_internal.h"
 
@@ -56,6 +57,7 @@ struct scree_frost {
   random_stream stream;
   scree_frost_stats stats; /* its `volume` is kept by sums; memory too */
   uint32_t unchecked;      /* breaks since stability was looked at */
+  frost_stability* stability;
 
   /* What fell and was kept, in the order of falling: a shard is in at most one block. */
   scree_block* blocks;

@@ -153,14 +153,18 @@ SCREE_API uint64_t scree_frost_digest(const scree_frost* frost); /* of states, l
  */
 SCREE_API uint32_t scree_frost_last_path(const scree_frost* frost, uint32_t* links, double* water, uint32_t capacity);
 
-/* The rule of stability. Supported are core shards or, without any, shards with a vertex within 1e-6 of the extent of the solid's
- * lowest place against gravity. Let d be a shard's distance from the supported ones in unbroken links. For every d > 0, each group
- * of shards that links join among those at distance >= d hangs on the links that join it to those at distance d - 1. These links
- * bear the group's weight W at its centre of mass: with A = sum of area * life, c their centroid weighted likewise, n the unit
- * vector of their summed area vectors, and I the second moments of their places about c, the stress at link k is s_k = W . n / A +
- * (bending moment about c, by I, at the place of k), shear t = |W - (W . n) n| / A, tension where it pulls. The group breaks off
- * where some s_k + t > strength or -s_k > compression * strength. It assumes: rigid shards, linear stress over a plane section, no
- * help from friction or arching. Returns the number of groups that the rule would break now: 0 after every step with strength on.
+/* The rule of stability. Supported are core shards or, without any, shards with a vertex within 1e-6 of the solid's extent along
+ * gravity from its lowest place. Let d be a shard's distance from the supported ones in unbroken links. For every d > 0, each group
+ * of shards that links join among those at distance >= d hangs on its cut, the links that join it to those at distance d - 1. The
+ * cut bears the group's weight W, 9.81 m/s^2 of its mass, at its centre of mass: with A = sum of area * life, c the links' centroid
+ * weighted likewise, J their second moments about c, each link's own extent included, and t = J^-1 (moment of W about c), a place x
+ * of the cut bears p = W / A + t x (x - c) an area. Its part along the normal of the place's link is tension s, where it pulls;
+ * what is left is shear q. The group breaks off where some s + q > strength or -s > compression * strength. Groups are taken from
+ * the farthest in, each without those that broke off before. For a plane cut this is the section of a beam: normal force, bending,
+ * transverse force and torsion. It assumes: rigid groups on links that give alike and linearly, links that all share the load, no
+ * help from friction or from pressure against what is not linked; where nothing is supported, nothing breaks. Without core shards
+ * the larger part is what stands when a group breaks off: make core what carries. Returns the number of groups that the rule would
+ * break now: 0 after every step with strength on, and where it is off.
  */
 SCREE_API uint32_t scree_frost_check_stability(const scree_frost* frost);
 

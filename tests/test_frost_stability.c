@@ -1,0 +1,525 @@
+/* Stability: against a naive twin on random lattices, and against what mechanics of materials says of beams and columns. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "failing_allocator.h"
+#include "frost_stability.h"
+#include "make_shards.h"
+#include "random.h"
+
+/* --- a lattice of boxes to weigh -----------------------------------------------------------------------------------------------
+ */
+
+typedef struct scene {
+  scree_shards* shards;
+  scree_shards_view view;
+  uint32_t size[3];
+  uint8_t* states;
+  double* lives;
+  frost_stability* stability;
+  frost_stability_state state;
+} scene;
+
+static scene make_scene(uint32_t x, uint32_t y, uint32_t z, uint64_t seed) {
+  scene s = {.size = {x, y, z}};
+  s.shards = make_lattice(s.size, seed, NULL);
+  s.view = s.shards->view;
+  s.states = calloc(s.view.shard_count, 1);
+  s.lives = calloc(s.view.link_count, sizeof *s.lives);
+  assert_true(s.states != NULL && s.lives != NULL);
+  for (uint32_t l = 0; l < s.view.interior_link_count; ++l) s.lives[l] = 1;
+  assert_int_equal(frost_stability_create(s.shards, NULL, &s.stability), SCREE_OK);
+  s.state = (frost_stability_state){
+      .states = s.states, .lives = s.lives, .gravity = {0, -1, 0}, .density = 2600, .strength = 1e5, .compression = 10};
+  return s;
+}
+
+static void free_scene(scene* s) {
+  frost_stability_destroy(s->stability);
+  free_lattice(s->shards);
+  free(s->states);
+  free(s->lives);
+}
+
+static uint32_t at(const scene* s, uint32_t x, uint32_t y, uint32_t z) {
+  return x + s->size[0] * (y + s->size[1] * z);
+}
+
+/* As a simulation keeps it: lives of links to air are 0. */
+static void make_air(scene* s, uint32_t shard) {
+  s->states[shard] = SCREE_SHARD_AIR;
+  for (uint32_t l = 0; l < s->view.interior_link_count; ++l)
+    if (s->view.links[l].shards[0] == shard || s->view.links[l].shards[1] == shard) s->lives[l] = 0;
+}
+
+static uint32_t weigh(scene* s) {
+  return frost_stability_weigh(s->stability, &s->state);
+}
+
+/* --- the naive twin ------------------------------------------------------------------------------------------------------------
+ */
+
+static void twin_levels(const scene* s, const double* lives, const uint8_t* supported, uint32_t* level) {
+  for (uint32_t i = 0; i < s->view.shard_count; ++i) level[i] = supported[i] ? 0 : UINT32_MAX;
+  for (uint32_t d = 0;; ++d) {
+    bool more = false;
+    for (uint32_t l = 0; l < s->view.interior_link_count; ++l) {
+      const uint32_t* ends = s->view.links[l].shards;
+      if (!(lives[l] > 0)) continue;
+      for (int side = 0; side < 2; ++side)
+        if (level[ends[side]] == d && level[ends[1 - side]] == UINT32_MAX) {
+          level[ends[1 - side]] = d + 1;
+          more = true;
+        }
+    }
+    if (!more) return;
+  }
+}
+
+/* Adds the integral of value(x) over a link by the midpoints of edges of triangles, which is exact for squares of places. */
+static void twin_second_moments(const scene* s, uint32_t l, double life, const double c[3], double j[3][3]) {
+  const scree_shards_view* v = &s->view;
+  for (uint32_t p = 0; p < v->links[l].polygon_count; ++p) {
+    const scree_polygon* polygon = &v->polygons[v->links[l].first_polygon + p];
+    const uint32_t* corners = v->corners + polygon->first_corner;
+    for (uint32_t i = 1; i + 1 < polygon->corner_count; ++i) {
+      const double* t[3] = {v->vertices + 3 * corners[0], v->vertices + 3 * corners[i], v->vertices + 3 * corners[i + 1]};
+      double e[3], f[3];
+      for (int a = 0; a < 3; ++a) {
+        e[a] = t[1][a] - t[0][a];
+        f[a] = t[2][a] - t[0][a];
+      }
+      const double n[3] = {e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]};
+      const double area = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]) / 2;
+      for (int m = 0; m < 3; ++m) {
+        double x[3], square = 0;
+        for (int a = 0; a < 3; ++a) {
+          x[a] = (t[m][a] + t[(m + 1) % 3][a]) / 2 - c[a];
+          square += x[a] * x[a];
+        }
+        for (int a = 0; a < 3; ++a)
+          for (int b = 0; b < 3; ++b) j[a][b] += life * area / 3 * ((a == b ? square : 0) - x[a] * x[b]);
+      }
+    }
+  }
+}
+
+static void twin_solve(double j[3][3], const double m[3], double out[3]) {
+  double rows[3][4];
+  for (int a = 0; a < 3; ++a) {
+    for (int b = 0; b < 3; ++b) rows[a][b] = j[a][b];
+    rows[a][3] = m[a];
+  }
+  for (int a = 0; a < 3; ++a)
+    for (int b = 0; b < 3; ++b) {
+      if (b == a) continue;
+      const double factor = rows[b][a] / rows[a][a];
+      for (int c = 0; c < 4; ++c) rows[b][c] -= factor * rows[a][c];
+    }
+  for (int a = 0; a < 3; ++a) out[a] = rows[a][3] / rows[a][a];
+}
+
+/* Whether the group in `group` (1 for each of its shards) breaks off by its links to level d - 1. */
+static bool twin_breaks(const scene* s, const double* lives, const uint32_t* level, uint32_t d, const uint8_t* group) {
+  const scree_shards_view* v = &s->view;
+  double volume = 0, mass_centre[3] = {0}, area = 0, c[3] = {0}, j[3][3] = {{0}};
+  for (uint32_t i = 0; i < v->shard_count; ++i) {
+    if (!group[i]) continue;
+    volume += v->shards[i].volume;
+    for (int a = 0; a < 3; ++a) mass_centre[a] += v->shards[i].volume * v->shards[i].centroid[a];
+  }
+  for (int pass = 0; pass < 3; ++pass) {
+    double t[3] = {0}, weight[3], length = 0;
+    for (int a = 0; a < 3; ++a) length += s->state.gravity[a] * s->state.gravity[a];
+    for (int a = 0; a < 3; ++a) weight[a] = 9.81 * s->state.density * volume * s->state.gravity[a] / sqrt(length);
+    if (pass == 2) {
+      const double trace = j[0][0] + j[1][1] + j[2][2];
+      for (int a = 0; a < 3; ++a) j[a][a] += 1e-9 * trace;
+      double arm[3];
+      for (int a = 0; a < 3; ++a) arm[a] = mass_centre[a] / volume - c[a];
+      const double m[3] = {arm[1] * weight[2] - arm[2] * weight[1], arm[2] * weight[0] - arm[0] * weight[2],
+                           arm[0] * weight[1] - arm[1] * weight[0]};
+      twin_solve(j, m, t);
+    }
+    for (uint32_t l = 0; l < v->interior_link_count; ++l) {
+      const scree_link* link = &v->links[l];
+      if (!(lives[l] > 0)) continue;
+      const bool first = group[link->shards[0]] && level[link->shards[1]] == d - 1;
+      const bool second = group[link->shards[1]] && level[link->shards[0]] == d - 1;
+      if (!first && !second) continue;
+      if (pass == 0) {
+        area += lives[l] * link->area;
+        for (int a = 0; a < 3; ++a) c[a] += lives[l] * link->area * link->centroid[a];
+      } else if (pass == 1) {
+        twin_second_moments(s, l, lives[l], c, j);
+      } else {
+        for (uint32_t p = 0; p < link->polygon_count; ++p) {
+          const scree_polygon* polygon = &v->polygons[link->first_polygon + p];
+          for (uint32_t k = 0; k < polygon->corner_count; ++k) {
+            double r[3], pull[3], s_k = 0, square = 0;
+            for (int a = 0; a < 3; ++a) r[a] = v->vertices[3 * v->corners[polygon->first_corner + k] + (uint32_t)a] - c[a];
+            const double turn[3] = {t[1] * r[2] - t[2] * r[1], t[2] * r[0] - t[0] * r[2], t[0] * r[1] - t[1] * r[0]};
+            for (int a = 0; a < 3; ++a) {
+              pull[a] = weight[a] / area + turn[a];
+              s_k += pull[a] * (first ? -link->normal[a] : link->normal[a]);
+              square += pull[a] * pull[a];
+            }
+            const double shear = sqrt(fmax(0, square - s_k * s_k));
+            if (s_k + shear > s->state.strength || -s_k > s->state.compression * s->state.strength) return true;
+          }
+        }
+      }
+    }
+    if (pass == 0)
+      for (int a = 0; a < 3; ++a) c[a] /= area;
+  }
+  return false;
+}
+
+static void twin_flood(const scene* s, const double* lives, const uint32_t* level, uint32_t d, uint32_t start, uint8_t* group) {
+  memset(group, 0, s->view.shard_count);
+  group[start] = 1;
+  for (bool more = true; more;) {
+    more = false;
+    for (uint32_t l = 0; l < s->view.interior_link_count; ++l) {
+      const uint32_t* ends = s->view.links[l].shards;
+      if (!(lives[l] > 0) || level[ends[0]] < d || level[ends[1]] < d) continue;
+      if (level[ends[0]] == UINT32_MAX || level[ends[1]] == UINT32_MAX || group[ends[0]] == group[ends[1]]) continue;
+      group[ends[0]] = group[ends[1]] = 1;
+      more = true;
+    }
+  }
+}
+
+/* The rule by its words: the farthest group that breaks is broken off, and all is done again. lives: changed. */
+static uint32_t twin_weigh(const scene* s, const uint8_t* supported, double* lives) {
+  uint32_t* level = calloc(s->view.shard_count, sizeof *level);
+  uint8_t* group = calloc(s->view.shard_count, 1);
+  assert_true(level != NULL && group != NULL);
+  uint32_t broken = 0;
+  for (bool again = true; again;) {
+    again = false;
+    twin_levels(s, lives, supported, level);
+    uint32_t most = 0;
+    for (uint32_t i = 0; i < s->view.shard_count; ++i)
+      if (level[i] != UINT32_MAX && level[i] > most) most = level[i];
+    for (uint32_t d = most; d > 0 && !again; --d)
+      for (uint32_t i = 0; i < s->view.shard_count && !again; ++i) {
+        if (level[i] != d) continue;
+        twin_flood(s, lives, level, d, i, group);
+        if (!twin_breaks(s, lives, level, d, group)) continue;
+        for (uint32_t l = 0; l < s->view.interior_link_count; ++l) {
+          const uint32_t* ends = s->view.links[l].shards;
+          if (group[ends[0]] != group[ends[1]]) lives[l] = 0;
+        }
+        ++broken;
+        again = true;
+      }
+  }
+  free(level);
+  free(group);
+  return broken;
+}
+
+static int by_number(const void* a, const void* b) {
+  const uint32_t x = *(const uint32_t*)a, y = *(const uint32_t*)b;
+  return (x > y) - (x < y);
+}
+
+static void the_twin_breaks_the_same_links(void** unused) {
+  (void)unused;
+  uint32_t broke = 0, held = 0;
+  for (uint64_t seed = 1; seed <= 150; ++seed) {
+    random_stream stream = {seed};
+    uint32_t size[3];
+    for (int axis = 0; axis < 3; ++axis) size[axis] = (axis == 2 ? 1 : 2) + (uint32_t)(random_unit(&stream) * 5);
+    scene s = make_scene(size[0], size[1], size[2], seed);
+    const bool core = seed % 3 != 0;
+    const double gone = 0.4 * random_unit(&stream);
+    for (uint32_t i = 0; i < s.view.shard_count; ++i)
+      if (random_unit(&stream) < gone) make_air(&s, i);
+    for (uint32_t i = 0; core && i < s.view.shard_count; ++i)
+      if (s.states[i] == SCREE_SHARD_SOLID && random_unit(&stream) < 0.06) s.states[i] = SCREE_SHARD_CORE;
+    for (uint32_t l = 0; l < s.view.interior_link_count; ++l)
+      if (s.lives[l] > 0) s.lives[l] = random_unit(&stream) < 0.15 ? 0 : 1 - random_unit(&stream);
+    for (int axis = 0; axis < 3; ++axis)
+      s.state.gravity[axis] = seed % 2 ? (axis == 1 ? -3 : 0) : random_unit(&stream) - (axis == 1 ? 1.5 : 0.5);
+    s.state.strength = 2e4 / (0.02 + random_unit(&stream) * 0.4);
+    s.state.compression = 1 + 9 * random_unit(&stream);
+
+    uint8_t* supported = calloc(s.view.shard_count, 1);
+    double* lives = calloc(s.view.link_count, sizeof *lives);
+    assert_true(supported != NULL && lives != NULL);
+    memcpy(lives, s.lives, s.view.link_count * sizeof *lives);
+    bool any_core = false;
+    double lowest = -INFINITY, highest = INFINITY;
+    for (uint32_t i = 0; i < s.view.shard_count; ++i) any_core = any_core || s.states[i] == SCREE_SHARD_CORE;
+    for (uint32_t k = 0; k < s.view.vertex_count; ++k) {
+      double along = 0;
+      for (int axis = 0; axis < 3; ++axis) along += s.view.vertices[3 * k + (uint32_t)axis] * s.state.gravity[axis];
+      lowest = fmax(lowest, along);
+      highest = fmin(highest, along);
+    }
+    for (uint32_t i = 0; i < s.view.shard_count; ++i) {
+      if (any_core) {
+        supported[i] = s.states[i] == SCREE_SHARD_CORE;
+        continue;
+      }
+      for (uint32_t k = 0; k < s.view.shards[i].link_count; ++k) {
+        const scree_link* link = &s.view.links[s.view.shard_links[s.view.shards[i].first_link + k]];
+        for (uint32_t p = 0; p < link->polygon_count; ++p)
+          for (uint32_t c = 0; c < s.view.polygons[link->first_polygon + p].corner_count; ++c) {
+            const uint32_t vertex = s.view.corners[s.view.polygons[link->first_polygon + p].first_corner + c];
+            double along = 0;
+            for (int axis = 0; axis < 3; ++axis) along += s.view.vertices[3 * vertex + (uint32_t)axis] * s.state.gravity[axis];
+            if (lowest - along <= 1e-6 * (lowest - highest)) supported[i] = s.states[i] != SCREE_SHARD_AIR;
+          }
+      }
+    }
+    const uint32_t groups = weigh(&s), twins = twin_weigh(&s, supported, lives);
+    assert_int_equal(groups, twins);
+    const uint32_t* found;
+    const uint32_t count = frost_stability_cuts(s.stability, &found);
+    uint32_t* cuts = calloc(count + 1, sizeof *cuts);
+    assert_non_null(cuts);
+    memcpy(cuts, found, count * sizeof *cuts);
+    qsort(cuts, count, sizeof *cuts, by_number);
+    uint32_t next = 0;
+    for (uint32_t l = 0; l < s.view.interior_link_count; ++l) {
+      if (lives[l] == s.lives[l]) continue;
+      assert_true(next < count);
+      assert_int_equal(cuts[next++], l);
+    }
+    assert_int_equal(next, count);
+    if (groups > 0)
+      ++broke;
+    else
+      ++held;
+
+    /* Once broken, nothing is left to break. */
+    for (uint32_t i = 0; i < count; ++i) s.lives[cuts[i]] = 0;
+    assert_int_equal(weigh(&s), 0);
+    free(cuts);
+    free(supported);
+    free(lives);
+    free_scene(&s);
+  }
+  assert_true(broke > 40);
+  assert_true(held > 15);
+}
+
+/* --- what mechanics says -------------------------------------------------------------------------------------------------------
+ */
+
+static const double unit_weight = 2600 * 9.81; /* of a cubic metre */
+
+/* Holds at a strength a hair above `bound` and breaks a hair below it: more than the 1e-9 on the diagonal of J. */
+static void assert_bound(scene* s, double bound, uint32_t groups_below) {
+  s->state.strength = bound * (1 + 1e-8);
+  assert_int_equal(weigh(s), 0);
+  s->state.strength = bound * (1 - 1e-8);
+  assert_int_equal(weigh(s), groups_below);
+}
+
+static void a_cantilever_breaks_where_beam_theory_says(void** unused) {
+  (void)unused;
+  for (uint32_t length = 1; length <= 12; ++length) {
+    scene s = make_scene(length + 1, 1, 1, 0);
+    s.states[0] = SCREE_SHARD_CORE;
+    const double l = length;
+    /* Bending 6 M / (b h^2) with M = w l^2 / 2, and the transverse force over the section. */
+    assert_bound(&s, unit_weight * (3 * l * l + l), 1);
+    const uint32_t* cut;
+    assert_int_equal(frost_stability_cuts(s.stability, &cut), 1);
+    assert_int_equal(s.view.links[cut[0]].shards[0], 0); /* at the root */
+    free_scene(&s);
+  }
+}
+
+static void a_deep_cantilever_of_many_links_is_one_section(void** unused) {
+  (void)unused;
+  /* Two boxes deep and three wide, held all over its end: each level is a section of 2 x 3 links. */
+  scene s = make_scene(6, 2, 3, 0);
+  for (uint32_t y = 0; y < 2; ++y)
+    for (uint32_t z = 0; z < 3; ++z) s.states[at(&s, 0, y, z)] = SCREE_SHARD_CORE;
+  assert_bound(&s, unit_weight * (3.0 * 25 / 2 + 5), 1);
+  free_scene(&s);
+}
+
+static void life_is_area(void** unused) {
+  (void)unused;
+  scene s = make_scene(4, 1, 1, 0);
+  s.states[0] = SCREE_SHARD_CORE;
+  for (uint32_t l = 0; l < s.view.interior_link_count; ++l)
+    if (s.view.links[l].shards[0] == 0) s.lives[l] = 0.25;
+  assert_bound(&s, 4 * unit_weight * (3 * 9 + 3), 1);
+  free_scene(&s);
+}
+
+static void a_column_is_crushed_at_its_height(void** unused) {
+  (void)unused;
+  for (uint32_t height = 2; height <= 20; height += 3) {
+    scene s = make_scene(1, height, 1, 0);
+    s.state.compression = 4;
+    assert_bound(&s, unit_weight * (height - 1) / 4, 1);
+    free_scene(&s);
+  }
+}
+
+static void a_hanging_column_tears_at_its_length(void** unused) {
+  (void)unused;
+  scene s = make_scene(1, 9, 1, 0);
+  s.states[8] = SCREE_SHARD_CORE;
+  assert_bound(&s, unit_weight * 8, 1);
+  free_scene(&s);
+}
+
+static void a_beam_held_at_both_ends_bears_shear_alone(void** unused) {
+  (void)unused;
+  scene s = make_scene(7, 1, 1, 0);
+  s.states[0] = s.states[6] = SCREE_SHARD_CORE;
+  assert_bound(&s, unit_weight * 5 / 2, 1);
+  free_scene(&s);
+}
+
+static void an_eccentric_weight_twists_its_cut(void** unused) {
+  (void)unused;
+  /* An L that lies flat: one box out along x from the core, three more along z at its end. */
+  scene s = make_scene(2, 1, 4, 0);
+  for (uint32_t z = 1; z < 4; ++z) make_air(&s, at(&s, 0, 0, z));
+  s.states[0] = SCREE_SHARD_CORE;
+  const double weight = 4 * unit_weight, bending = 6 * weight * 0.5, twist = weight * 1.5 / (1.0 / 6);
+  /* At the corner that is worst: shear of the weight and of the twist, by the polar moment, together. */
+  const double down = weight + twist / 2, across = twist / 2;
+  assert_bound(&s, bending + sqrt(down * down + across * across), 1);
+  free_scene(&s);
+}
+
+static void an_arch_stands_where_half_of_it_falls(void** unused) {
+  (void)unused;
+  for (int half = 0; half < 2; ++half) {
+    scene s = make_scene(9, 4, 1, 0);
+    for (uint32_t y = 0; y < 4; ++y)
+      for (uint32_t x = 0; x < 9; ++x)
+        if ((y < 3 && x > 0 && x < 8) || (half == 1 && x > 4)) make_air(&s, at(&s, x, y, 0));
+    s.state.strength = unit_weight * 12;
+    if (half == 0)
+      assert_int_equal(weigh(&s), 0);
+    else
+      assert_true(weigh(&s) > 0);
+    free_scene(&s);
+  }
+}
+
+static void what_rests_broadly_never_breaks(void** unused) {
+  (void)unused;
+  for (uint64_t seed = 0; seed < 8; ++seed) {
+    scene s = make_scene(6, 5, 6, seed);
+    random_stream stream = {seed};
+    /* A terrain of columns without overhangs, links worn down to a tenth. */
+    for (uint32_t z = 0; z < 6; ++z)
+      for (uint32_t x = 0; x < 6; ++x)
+        for (uint32_t y = 1 + (uint32_t)(random_unit(&stream) * 5); y < 5; ++y) make_air(&s, at(&s, x, y, z));
+    for (uint32_t l = 0; l < s.view.interior_link_count; ++l)
+      if (s.lives[l] > 0) s.lives[l] = 0.1 + 0.9 * random_unit(&stream);
+    s.state.strength = 1e6; /* weak rock */
+    assert_int_equal(weigh(&s), 0);
+    free_scene(&s);
+  }
+}
+
+static void where_nothing_is_supported_nothing_breaks(void** unused) {
+  (void)unused;
+  scene s = make_scene(5, 3, 1, 0);
+  for (uint32_t x = 0; x < 5; ++x) make_air(&s, at(&s, x, 0, 0));
+  s.state.strength = 1e-3;
+  assert_int_equal(weigh(&s), 0);
+  free_scene(&s);
+}
+
+static void what_no_link_joins_to_support_is_left_alone(void** unused) {
+  (void)unused;
+  scene s = make_scene(5, 1, 1, 0);
+  s.states[0] = SCREE_SHARD_CORE;
+  for (uint32_t l = 0; l < s.view.interior_link_count; ++l)
+    if (s.view.links[l].shards[0] == 1) s.lives[l] = 0;
+  assert_bound(&s, unit_weight * (3 + 1), 1); /* as if there were one box, not four */
+  free_scene(&s);
+}
+
+static void gravity_may_point_anywhere(void** unused) {
+  (void)unused;
+  scene s = make_scene(1, 5, 1, 0);
+  s.states[0] = SCREE_SHARD_CORE;
+  s.state.gravity[0] = 7;
+  s.state.gravity[1] = 0;
+  assert_bound(&s, unit_weight * (3 * 16 + 4), 1);
+  s.state.gravity[0] = 0;
+  s.state.gravity[1] = 2;
+  assert_bound(&s, unit_weight * 4, 1);
+  free_scene(&s);
+}
+
+static void what_broke_off_weighs_no_more(void** unused) {
+  (void)unused;
+  /* A beam whose outer half hangs on a sliver: that breaks, and the inner half then holds at a strength at which all would not. */
+  scene s = make_scene(9, 1, 1, 0);
+  s.states[0] = SCREE_SHARD_CORE;
+  for (uint32_t l = 0; l < s.view.interior_link_count; ++l)
+    if (s.view.links[l].shards[0] == 4) s.lives[l] = 1e-3;
+  s.state.strength = unit_weight * (3 * 16 + 4) * 1.01;
+  assert_int_equal(weigh(&s), 1);
+  const uint32_t* cut;
+  assert_int_equal(frost_stability_cuts(s.stability, &cut), 1);
+  assert_int_equal(s.view.links[cut[0]].shards[0], 4);
+  free_scene(&s);
+}
+
+static void every_allocation_may_fail(void** unused) {
+  (void)unused;
+  const uint32_t size[3] = {3, 3, 3};
+  scree_shards* shards = make_lattice(size, 1, NULL);
+  for (int32_t n = 0;; ++n) {
+    failing_allocator failing = {.fail_at = n};
+    const scree_allocator allocator = failing_allocator_of(&failing);
+    frost_stability* stability;
+    const scree_result result = frost_stability_create(shards, &allocator, &stability);
+    if (result == SCREE_OK)
+      assert_int_equal(failing.live, (long long)frost_stability_memory(stability));
+    else
+      assert_null(stability);
+    frost_stability_destroy(stability);
+    assert_int_equal(failing.live, 0);
+    if (!failing.failed) break;
+    assert_int_equal(result, SCREE_ERROR_OUT_OF_MEMORY);
+  }
+  free_lattice(shards);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(the_twin_breaks_the_same_links),
+      cmocka_unit_test(a_cantilever_breaks_where_beam_theory_says),
+      cmocka_unit_test(a_deep_cantilever_of_many_links_is_one_section),
+      cmocka_unit_test(life_is_area),
+      cmocka_unit_test(a_column_is_crushed_at_its_height),
+      cmocka_unit_test(a_hanging_column_tears_at_its_length),
+      cmocka_unit_test(a_beam_held_at_both_ends_bears_shear_alone),
+      cmocka_unit_test(an_eccentric_weight_twists_its_cut),
+      cmocka_unit_test(an_arch_stands_where_half_of_it_falls),
+      cmocka_unit_test(what_rests_broadly_never_breaks),
+      cmocka_unit_test(where_nothing_is_supported_nothing_breaks),
+      cmocka_unit_test(what_no_link_joins_to_support_is_left_alone),
+      cmocka_unit_test(gravity_may_point_anywhere),
+      cmocka_unit_test(what_broke_off_weighs_no_more),
+      cmocka_unit_test(every_allocation_may_fail),
+  };
+  return cmocka_run_group_tests_name("frost_stability", tests, NULL, NULL);
+}
