@@ -8,7 +8,8 @@
 #define PIECE_OUTSIDE UINT32_MAX
 
 /* A flat polygon between two cells, or of one cell and the solid's surface. Vertices are shared by index wherever polygons meet:
- * two that have an edge in common have both its vertices in common, and none lies within the edge of another. */
+ * two that have an edge in common have both its vertices in common, and none lies within the edge of another. The pieces of one
+ * cell are closed surfaces: one that is inside out is the wall of a hollow and shares no vertex with the surface around it. */
 typedef struct shard_piece {
   uint32_t cells[2];                   /* seeds, [0] < [1]; [1] = PIECE_OUTSIDE: a part of `triangle` */
   uint32_t triangle;                   /* UINT32_MAX between cells */
@@ -38,6 +39,7 @@ typedef struct shard_input {
  * nothing is owned. Vertices are in the space of the input. */
 scree_result shard_walls_cut(const shard_input* input, shard_pieces* out);
 scree_result shard_clip_cut(const shard_input* input, shard_pieces* out);
+/* Arrays are as long as their capacities say, vertices 3 doubles each; all zero is allowed. */
 void shard_pieces_free(shard_pieces* pieces, const scree_allocator* allocator);
 
 #endif
