@@ -1,0 +1,111 @@
+#include "creases.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "allocator.h"
+
+/* A side of a triangle by its ends, so that the two triangles at an edge stand side by side. */
+typedef struct side {
+  uint32_t low, high;
+  uint32_t corner; /* 3 * triangle + k: from corner k to corner k + 1 */
+} side;
+
+static int compare_sides(const void* a, const void* b) {
+  const side *x = a, *y = b;
+  if (x->low != y->low) return x->low < y->low ? -1 : 1;
+  if (x->high != y->high) return x->high < y->high ? -1 : 1;
+  return (x->corner > y->corner) - (x->corner < y->corner);
+}
+
+static uint32_t root_of(uint32_t* parents, uint32_t corner) {
+  for (; parents[corner] != corner; corner = parents[corner]) parents[corner] = parents[parents[corner]];
+  return corner;
+}
+
+static void join(uint32_t* parents, uint32_t a, uint32_t b) {
+  a = root_of(parents, a);
+  b = root_of(parents, b);
+  if (a < b)
+    parents[b] = a;
+  else
+    parents[a] = b;
+}
+
+static uint32_t next_corner(uint32_t corner) {
+  return corner % 3 == 2 ? corner - 2 : corner + 1;
+}
+
+/* Twice the area vector. */
+static void area_vector(const scree_solid* solid, uint32_t triangle, double out[3]) {
+  const uint32_t* c = solid->indices + (size_t)3 * triangle;
+  const double *p = solid->positions + (size_t)3 * c[0], *q = solid->positions + (size_t)3 * c[1],
+               *r = solid->positions + (size_t)3 * c[2];
+  for (uint32_t a = 0; a < 3; ++a) {
+    const uint32_t u = (a + 1) % 3, v = (a + 2) % 3;
+    out[a] = (q[u] - p[u]) * (r[v] - p[v]) - (q[v] - p[v]) * (r[u] - p[u]);
+  }
+}
+
+static double dot(const double a[3], const double b[3]) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* An edge is smooth if it has just two triangles, whose normals are near each other. */
+static void join_corners(const scree_solid* solid, const side* sides, uint32_t* parents) {
+  const uint32_t count = solid->triangle_count * 3;
+  for (uint32_t i = 0; i < count;) {
+    uint32_t end = i + 1;
+    while (end < count && sides[end].low == sides[i].low && sides[end].high == sides[i].high) ++end;
+    if (end == i + 2) {
+      const uint32_t a = sides[i].corner, b = sides[i + 1].corner;
+      double m[3], n[3];
+      area_vector(solid, a / 3, m);
+      area_vector(solid, b / 3, n);
+      if (dot(m, n) >= CREASE_COSINE * (sqrt(dot(m, m)) * sqrt(dot(n, n)))) {
+        const bool along = solid->indices[a] == solid->indices[b];
+        join(parents, a, along ? b : next_corner(b));
+        join(parents, next_corner(a), along ? next_corner(b) : b);
+      }
+    }
+    i = end;
+  }
+}
+
+static void add_normals(const scree_solid* solid, uint32_t* parents, double* normals) {
+  const uint32_t corners = solid->triangle_count * 3;
+  memset(normals, 0, (size_t)3 * corners * sizeof *normals);
+  for (uint32_t c = 0; c < corners; ++c) {
+    double n[3], *sum = normals + (size_t)3 * root_of(parents, c);
+    area_vector(solid, c / 3, n);
+    for (uint32_t a = 0; a < 3; ++a) sum[a] += n[a];
+  }
+  /* The root of a group is its lowest corner: all others take its sum before it is made unit. */
+  for (uint32_t c = corners; c-- > 0;) {
+    double* n = normals + (size_t)3 * c;
+    memcpy(n, normals + (size_t)3 * root_of(parents, c), 3 * sizeof *n);
+    const double length = sqrt(dot(n, n));
+    for (uint32_t a = 0; a < 3; ++a) n[a] = length > 0 ? n[a] / length : a == 1;
+  }
+}
+
+scree_result crease_normals(const scree_solid* solid, const scree_allocator* allocator, double* normals) {
+  const uint32_t corners = solid->triangle_count * 3;
+  side* sides = scree_rt_allocate(allocator, corners, sizeof *sides);
+  uint32_t* parents = scree_rt_allocate(allocator, corners, sizeof *parents);
+  const bool complete = sides != NULL && parents != NULL;
+  if (complete) {
+    for (uint32_t c = 0; c < corners; ++c) {
+      const uint32_t from = solid->indices[c], to = solid->indices[next_corner(c)];
+      sides[c] = (side){from < to ? from : to, from < to ? to : from, c};
+      parents[c] = c;
+    }
+    qsort(sides, corners, sizeof *sides, compare_sides);
+    join_corners(solid, sides, parents);
+    add_normals(solid, parents, normals);
+  }
+  scree_rt_release(allocator, sides, corners, sizeof *sides);
+  scree_rt_release(allocator, parents, corners, sizeof *parents);
+  return complete ? SCREE_OK : SCREE_ERROR_OUT_OF_MEMORY;
+}
