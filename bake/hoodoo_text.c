@@ -328,19 +328,23 @@ static scree_result read_top(const char* name, const cJSON* value, scree_hoodoo_
 }
 
 scree_result scree_recipe_get_kind(const char* text, size_t size, scree_recipe_kind* out, scree_error* error) {
+  static const char* const words[] = {"rocks", "hoodoo", "shards"};
+  *out = SCREE_RECIPE_ROCKS;
   cJSON* root = recipe_root(text, size, error);
   if (root == NULL) return SCREE_ERROR_SYNTAX;
   const cJSON* kind = cJSON_GetObjectItemCaseSensitive(root, "kind");
-  scree_result result = SCREE_OK;
-  *out = SCREE_RECIPE_ROCKS;
-  if (kind != NULL && cJSON_IsString(kind) && strcmp(kind->valuestring, "hoodoo") == 0)
-    *out = SCREE_RECIPE_HOODOO;
-  else if (kind != NULL && !(cJSON_IsString(kind) && strcmp(kind->valuestring, "rocks") == 0)) {
+  bool found = kind == NULL;
+  for (int i = 0; i < 3 && !found; ++i)
+    if (cJSON_IsString(kind) && strcmp(kind->valuestring, words[i]) == 0) {
+      *out = (scree_recipe_kind)i;
+      found = true;
+    }
+  if (!found) {
     const place at = inside(&top, "kind");
-    result = wrong_type(&at, "\"rocks\" or \"hoodoo\"", kind, error);
+    wrong_type(&at, "\"rocks\", \"hoodoo\" or \"shards\"", kind, error);
   }
   cJSON_Delete(root);
-  return result;
+  return found ? SCREE_OK : SCREE_ERROR_SYNTAX;
 }
 
 scree_result scree_hoodoo_parse(const char* text, size_t size, scree_hoodoo_recipe* out, scree_error* error) {

@@ -1,7 +1,7 @@
 """Checks JSON files named on standard input, one a line: each parses, has no key twice, and fits the schema of its folder.
 
-content/recipes/*.json and content/golden/*.json are held against content/schema/recipe.schema.json, or hoodoo.schema.json where they
-say so, content/scenes/*.json against scene.schema.json; a schema itself must be a valid one. Prints one line per fault; exit status 1 if there was any.
+content/recipes/*.json and content/golden/*.json are held against content/schema/recipe.schema.json, or hoodoo.schema.json or
+shards.schema.json where they say so, content/scenes/*.json against scene.schema.json; a schema itself must be a valid one. Prints one line per fault; exit status 1 if there was any.
 """
 
 import json
@@ -44,8 +44,9 @@ def faults_of(path):
             return [f"{path}: not a valid schema: {error.message}"]
         return []
     schema_path = SCHEMAS.get(os.path.dirname(path))
-    if schema_path is not None and isinstance(value, dict) and value.get("kind") == "hoodoo":
-        schema_path = "content/schema/hoodoo.schema.json"
+    kind = value.get("kind") if isinstance(value, dict) and schema_path is not None else None
+    if kind in ("hoodoo", "shards"):
+        schema_path = f"content/schema/{kind}.schema.json"
     if schema_path is None:
         return []
     if not os.path.exists(schema_path):

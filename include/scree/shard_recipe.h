@@ -61,7 +61,7 @@ typedef struct scree_shard_input {
 /* scree_seed_pattern by value; scree/shards.h says what its words mean. */
 typedef struct scree_shard_seeds {
   scree_seed_kind kind;
-  uint32_t count;
+  uint32_t count; /* 0 = by spacing; RANDOM: one in each spacing^3 of the volume */
   double spacing, spacing_end, grade[3], length, jitter, up[3], stretch[3];
   double layers[SCREE_SHARD_LAYERS]; /* SLABS */
   uint32_t layer_count;
