@@ -26,16 +26,18 @@ typedef struct frost_rain {
   double weight;
 } frost_rain;
 
-/* What follows from shards and rules alone, and the sums of weights, in one allocation. */
+/* What follows from shards and rules alone, and the weights of where water starts, in one allocation. */
 typedef struct frost_tables {
   double gravity[3];   /* unit */
   double* resistance;  /* of each link, 0 .. 1 - 2^-20 */
   uint32_t* way_first; /* link_count + 1 */
-  frost_way* ways;     /* of link l: ways[way_first[l]] .., by link */
-  uint64_t* trees;     /* Fenwick trees of the exterior links' weights, link_count + 1 for each rain */
+  frost_way* ways;     /* of link l: ways[way_first[l]] .., rising by link */
+  uint64_t* weights;   /* of the links, for each rain; 0 where not exterior */
+  uint64_t* trees;     /* Fenwick trees of the weights, link_count + 1 for each rain */
   uint64_t totals[SCREE_FROST_RAINS];
   frost_rain rains[SCREE_FROST_RAINS];
-  double solid_absorption, air_absorption, damage; /* per area: k_solid, k_air and k_dmg of the paper */
+  uint32_t top_bit;                                /* the largest power of two <= link_count */
+  double solid_absorption, air_absorption, damage; /* k_solid, k_air and k_dmg of the paper */
   void* memory;
   size_t size;
 } frost_tables;
@@ -65,9 +67,8 @@ struct scree_frost {
   uint32_t block_shard_count; /* stats.blocks is the number of blocks */
 
   /* Scratch. */
-  uint32_t* queues[2]; /* shard_count each */
-  uint32_t* marks;     /* of each shard, to be held against stamp */
-  uint32_t* parents;   /* of each shard */
+  uint32_t* queues[3]; /* shard_count each; the third is frost_update_exterior's */
+  uint32_t* marks;     /* of each shard, to be held against frost_new_marks */
   uint32_t stamp;
 
   uint32_t* path_links; /* FROST_LAST_PATH */
@@ -84,8 +85,51 @@ static inline uint32_t frost_across(const scree_link* link, uint32_t shard) {
   return link->shards[0] == shard ? link->shards[1] : link->shards[0];
 }
 
+/* Two marks that no shard has: the one returned and the next. */
+static inline uint32_t frost_new_marks(scree_frost* f) {
+  if (f->stamp > UINT32_MAX - 4) {
+    for (uint32_t s = 0; s < f->view.shard_count; ++s) f->marks[s] = 0;
+    f->stamp = 0;
+  }
+  f->stamp += 2;
+  return f->stamp - 1;
+}
+
+/* --- frost_detach.c ---------------------------------------------------------------------------------------------------------- */
+
 /* Breaks a link as water would: life 0, one more in stats.breaks, and what then hangs on nothing falls at once. The caller counts
- * why: stats.forced, stats.overloaded. Nothing happens where the link is broken already. frost_detach.c. */
+ * why: stats.forced, stats.overloaded. Nothing happens where the link is broken already. */
 void frost_break_link(scree_frost* f, uint32_t link);
+
+/* Makes a shard air that fell not, and lets fall what it leaves hanging. */
+void frost_take_shard(scree_frost* f, uint32_t shard);
+
+/* Takes a shard that stands again out of the block that it fell in. */
+void frost_unblock(scree_frost* f, uint32_t shard);
+
+/* --- frost_exterior.c -------------------------------------------------------------------------------------------------------- */
+
+/* After these shards became air. */
+void frost_update_exterior(scree_frost* f, const uint32_t* shards, uint32_t count);
+
+/* Everything that follows from states, lives and tables: open, exterior, passage, weights and trees. */
+void frost_derive(scree_frost* f);
+
+/* --- frost_tables.c ---------------------------------------------------------------------------------------------------------- */
+
+scree_result frost_check_rules(const scree_frost_rules* rules, scree_error* error); /* frost_rules.c */
+bool frost_unit(const double v[3], double out[3]);                                  /* false where v has no direction */
+
+/* Resistance of the material at the middle of every link. frost_resistance.c. */
+void frost_resistances(const scree_shards_view* view, const scree_resistance* rule, double* out);
+
+/* Rules must have passed the check. Returns SCREE_OK or OUT_OF_MEMORY. */
+scree_result frost_tables_create(const scree_shards_view* view, const scree_frost_rules* rules, const scree_allocator* allocator,
+                                 frost_tables* out);
+void frost_tables_destroy(frost_tables* tables, const scree_allocator* allocator);
+
+/* --- frost_flow.c ------------------------------------------------------------------------------------------------------------ */
+
+bool frost_path(scree_frost* f); /* false: nothing takes water */
 
 #endif

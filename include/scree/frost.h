@@ -5,8 +5,13 @@
  * A path of water starts at an exterior link, chosen with a probability in proportion to area * max(normal . rain, 0), where the
  * rain's direction (towards which one looks to see it come) is drawn anew for each path. From link i it goes on to a neighbour j
  * with a probability in proportion to max(gravity . (x_j - x_i) / |x_j - x_i|, 0) * (1 - life_j * resistance_j), and each link
- * takes water and, while it lives, damage. A link whose life is used up is broken; shards that no unbroken links join to the
- * core, or to the larger part where there is no core, fall and are air.
+ * takes water and, while it lives, damage. A link whose life is used up is broken, and where that leaves two parts that no unbroken
+ * links join, one falls and is air: the one without core shards where the other has some, else the one of fewer shards, and of
+ * equal ones that of the link's second shard; none where both have core. What stands apart from the start stays so.
+ *
+ * Where the paper leaves it open: water runs over broken links as long as they have rock on one side, and these absorb as air;
+ * what the random event of total absorption takes harms no link; a breakage is dealt with before water goes on; air joins the
+ * outside through faces. A rain whose drawn direction meets no face is drawn again.
  *
  * Everything repeats to the bit on every machine. A simulation may be used by one thread at a time; the shards, which it keeps no
  * copy of, must outlive it and may be shared. */
@@ -109,8 +114,8 @@ SCREE_API void scree_frost_destroy(scree_frost* frost); /* NULL is allowed */
 /* Other rules from the next path on; lives stay. On an error nothing changes. */
 SCREE_API scree_result scree_frost_set_rules(scree_frost* frost, const scree_frost_rules* rules, scree_error* error);
 
-/* `count` paths, fewer when no link can take water any more (all core and dry, nothing solid, rain that meets no face): a sane end,
- * told by the stats. Allocates nothing. Returns SCREE_OK. */
+/* `count` paths, fewer when no link takes water any more (nothing stands, no rain, or none that meets a face): a sane end, told by
+ * the stats. Allocates nothing. Returns SCREE_OK. */
 SCREE_API scree_result scree_frost_step(scree_frost* frost, uint64_t count);
 
 /* Paths until at most `share` of the volume at the start stands, or `most` paths are done. progress: as in scree_weather_run, may
@@ -118,10 +123,11 @@ SCREE_API scree_result scree_frost_step(scree_frost* frost, uint64_t count);
 SCREE_API scree_result scree_frost_run(scree_frost* frost, double share, uint64_t most, bool (*progress)(void* user, double done),
                                        void* user);
 
-/* Edits between steps. A shard made air is gone, not fallen; what it leaves hanging falls. Air made solid or core stands again,
- * with the links it has to what stands whole again. Returns SCREE_OK or INVALID_ARGUMENT. */
+/* Edits between steps. A shard made air is gone, not fallen; of the parts that it leaves, those without core fall where others have
+ * some, else all but the one of most shards, of equal ones that with the lowest. Air made solid or core stands again, out of the
+ * block that it fell in, with the links it has to what stands whole again. Returns SCREE_OK or INVALID_ARGUMENT. */
 SCREE_API scree_result scree_frost_set_shard(scree_frost* frost, uint32_t shard, scree_shard_state state);
-/* life: 0..1 of an interior link; 0 breaks it as water would. */
+/* life: 0..1 of an interior link; 0 breaks it as water would, more needs rock on both sides. Returns as above. */
 SCREE_API scree_result scree_frost_set_life(scree_frost* frost, uint32_t link, double life);
 
 typedef struct scree_frost_stats {

@@ -1,0 +1,329 @@
+#include "frost_twin.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "frost_draw.h"
+
+static void* must(void* memory) {
+  if (memory == NULL) abort();
+  return memory;
+}
+
+static bool stands(const frost_twin* t, uint32_t shard) {
+  return t->states[shard] != SCREE_SHARD_AIR;
+}
+
+frost_twin* frost_twin_create(const scree_frost* like) {
+  const size_t shards = like->view.shard_count, links = like->view.link_count;
+  frost_twin* t = must(calloc(1, sizeof *t));
+  t->like = like;
+  t->stream = like->stream;
+  t->states = must(malloc(shards));
+  t->exterior = must(malloc(links));
+  t->walked = must(malloc(links));
+  t->lives = must(malloc(links * sizeof *t->lives));
+  t->labels = must(malloc(shards * sizeof *t->labels));
+  t->queue = must(malloc((shards + links) * sizeof *t->queue));
+  t->blocks = must(calloc(shards, sizeof *t->blocks));
+  memcpy(t->states, like->states, shards);
+  memcpy(t->exterior, like->exterior, links);
+  memcpy(t->lives, like->lives, links * sizeof *t->lives);
+  const scree_block* blocks;
+  const uint32_t* list;
+  t->block_count = scree_frost_blocks(like, &blocks, &list);
+  for (uint32_t b = 0; b < t->block_count; ++b)
+    for (uint32_t i = 0; i < blocks[b].shard_count; ++i) t->blocks[list[blocks[b].first_shard + i]] = b + 1;
+  t->paths = like->stats.paths;
+  t->breaks = like->stats.breaks;
+  t->forced = like->stats.forced;
+  t->detachments = like->stats.detachments;
+  t->visited = like->stats.links_visited;
+  t->poured = like->stats.poured;
+  t->absorbed = like->stats.absorbed;
+  t->drained = like->stats.drained;
+  return t;
+}
+
+void frost_twin_destroy(frost_twin* t) {
+  free(t->states);
+  free(t->exterior);
+  free(t->walked);
+  free(t->lives);
+  free(t->labels);
+  free(t->queue);
+  free(t->blocks);
+  free(t);
+}
+
+/* --- 5.3: components and exterior links -------------------------------------------------------------------------------------- */
+
+/* Labels all shards of `among` (their label there is `from`) that links of life above `least` join. */
+static void label(frost_twin* t, uint32_t shard, uint32_t from, uint32_t to, double least) {
+  const scree_shards_view* v = &t->like->view;
+  uint32_t count = 0;
+  t->labels[shard] = to;
+  t->queue[count++] = shard;
+  for (uint32_t head = 0; head < count; ++head)
+    for (uint32_t k = 0; k < v->shards[t->queue[head]].link_count; ++k) {
+      const uint32_t link = v->shard_links[v->shards[t->queue[head]].first_link + k];
+      const uint32_t* sides = v->links[link].shards;
+      const uint32_t other = sides[0] == t->queue[head] ? sides[1] : sides[0];
+      if (other == SCREE_NO_SHARD || !(t->lives[link] > least) || t->labels[other] != from) continue;
+      t->labels[other] = to;
+      t->queue[count++] = other;
+    }
+}
+
+/* Which air joins the outside, from nothing; then which links it has on one side and rock on the other. */
+static void find_exterior(frost_twin* t, uint8_t* out) {
+  const scree_shards_view* v = &t->like->view;
+  uint8_t* open = must(calloc(v->shard_count, 1));
+  for (bool more = true; more;) {
+    more = false;
+    for (uint32_t l = 0; l < v->link_count; ++l) {
+      const uint32_t a = v->links[l].shards[0], b = v->links[l].shards[1];
+      const bool air_a = !stands(t, a), air_b = b == SCREE_NO_SHARD || !stands(t, b);
+      if (!air_a || !air_b) continue;
+      const bool open_b = b == SCREE_NO_SHARD || open[b] != 0;
+      if ((open[a] != 0) == open_b) continue;
+      open[a] = 1;
+      if (b != SCREE_NO_SHARD) open[b] = 1;
+      more = true;
+    }
+  }
+  for (uint32_t l = 0; l < v->link_count; ++l) {
+    const uint32_t a = v->links[l].shards[0], b = v->links[l].shards[1];
+    const bool rock_a = stands(t, a), rock_b = b != SCREE_NO_SHARD && stands(t, b);
+    const bool open_a = open[a] != 0, open_b = b == SCREE_NO_SHARD || open[b] != 0;
+    out[l] = (rock_a && !rock_b && open_b) || (rock_b && open_a);
+  }
+  free(open);
+}
+
+/* The paper's way: breadth first over the links graph from the exterior links that still have rock, through links between rock and
+ * air. */
+static void walk_exterior(const frost_twin* t, uint8_t* out) {
+  const scree_shards_view* v = &t->like->view;
+  uint32_t count = 0;
+  uint32_t* queue = must(malloc(v->link_count * sizeof *queue));
+  for (uint32_t l = 0; l < v->link_count; ++l) {
+    const uint32_t a = v->links[l].shards[0], b = v->links[l].shards[1];
+    out[l] = t->exterior[l] != 0 && stands(t, a) != (b != SCREE_NO_SHARD && stands(t, b));
+    if (out[l] != 0) queue[count++] = l;
+  }
+  for (uint32_t head = 0; head < count; ++head)
+    for (uint32_t k = v->neighbour_first[queue[head]]; k < v->neighbour_first[queue[head] + 1]; ++k) {
+      const uint32_t l = v->neighbours[k], a = v->links[l].shards[0], b = v->links[l].shards[1];
+      if (out[l] != 0 || stands(t, a) == (b != SCREE_NO_SHARD && stands(t, b))) continue;
+      out[l] = 1;
+      queue[count++] = l;
+    }
+  free(queue);
+}
+
+static void keep_blocks(frost_twin* t, uint32_t falling) {
+  const scree_shards_view* v = &t->like->view;
+  for (uint32_t s = 0; s < v->shard_count; ++s) {
+    if (t->labels[s] != falling) continue;
+    label(t, s, falling, falling + 1, t->like->rules.fall_life);
+    ++t->block_count;
+    for (uint32_t i = 0; i < v->shard_count; ++i)
+      if (t->labels[i] == falling + 1) {
+        t->labels[i] = falling + 2; /* done */
+        t->blocks[i] = t->block_count;
+      }
+  }
+}
+
+static void fall(frost_twin* t, uint32_t falling, bool walk) {
+  const scree_shards_view* v = &t->like->view;
+  if (t->like->rules.fall == SCREE_FALL_KEPT) keep_blocks(t, falling);
+  for (uint32_t s = 0; s < v->shard_count; ++s)
+    if (t->labels[s] == falling || t->labels[s] == falling + 2) t->states[s] = SCREE_SHARD_AIR;
+  for (uint32_t l = 0; l < v->interior_link_count; ++l)
+    if (!stands(t, v->links[l].shards[0]) || !stands(t, v->links[l].shards[1])) t->lives[l] = 0;
+  ++t->detachments;
+  if (walk) walk_exterior(t, t->walked);
+  find_exterior(t, t->exterior);
+  for (uint32_t l = 0; walk && l < v->link_count; ++l) t->walk_differs += t->walked[l] != t->exterior[l];
+}
+
+static void break_link(frost_twin* t, uint32_t link, bool walk) {
+  const scree_shards_view* v = &t->like->view;
+  const uint32_t* ends = v->links[link].shards;
+  t->lives[link] = 0;
+  ++t->breaks;
+  /* All connected components: the label of each shard is 1 + the lowest shard of its own. */
+  memset(t->labels, 0, v->shard_count * sizeof *t->labels);
+  for (uint32_t s = 0; s < v->shard_count; ++s)
+    if (t->labels[s] == 0 && stands(t, s)) label(t, s, 0, s + 1, 0);
+  const uint32_t labels[2] = {t->labels[ends[0]], t->labels[ends[1]]};
+  if (labels[0] == labels[1]) return;
+  uint32_t sizes[2] = {0}, cores[2] = {0};
+  for (uint32_t s = 0; s < v->shard_count; ++s)
+    for (int i = 0; i < 2; ++i)
+      if (t->labels[s] == labels[i]) {
+        ++sizes[i];
+        cores[i] += t->states[s] == SCREE_SHARD_CORE;
+      }
+  if (cores[0] > 0 && cores[1] > 0) return;
+  uint32_t loser = sizes[0] < sizes[1] ? 0 : 1;
+  if (cores[0] > 0) loser = 1;
+  if (cores[1] > 0) loser = 0;
+  const uint32_t falling = v->shard_count + 1;
+  for (uint32_t s = 0; s < v->shard_count; ++s)
+    if (t->labels[s] == labels[loser]) t->labels[s] = falling;
+  fall(t, falling, walk);
+}
+
+/* --- 5.1: where water goes --------------------------------------------------------------------------------------------------- */
+
+static uint64_t total_weight(const frost_twin* t, const frost_rain* rain) {
+  const scree_shards_view* v = &t->like->view;
+  uint64_t total = 0;
+  for (uint32_t l = 0; l < v->link_count; ++l)
+    if (t->exterior[l] != 0) total += frost_weight(rain, &v->links[l], stands(t, v->links[l].shards[0]), t->like->weight_scale);
+  return total;
+}
+
+static bool draw_start(frost_twin* t, uint32_t* out) {
+  const scree_shards_view* v = &t->like->view;
+  const double scale = t->like->weight_scale;
+  uint64_t totals[SCREE_FROST_RAINS];
+  double sum = 0;
+  uint32_t wet = 0, chosen = 0;
+  for (uint32_t r = 0; r < t->like->rules.rain_count; ++r) {
+    totals[r] = total_weight(t, &t->like->tables.rains[r]);
+    if (totals[r] == 0) continue;
+    sum += t->like->rules.rains[r].weight;
+    chosen = r;
+    ++wet;
+  }
+  if (wet == 0) return false;
+  for (int sky = 0; sky < FROST_SKIES; ++sky) {
+    uint32_t r = chosen;
+    if (wet > 1) {
+      double left = random_unit(&t->stream) * sum;
+      for (r = 0; r < t->like->rules.rain_count; ++r) {
+        if (totals[r] == 0) continue;
+        left -= t->like->rules.rains[r].weight;
+        if (left < 0) break;
+      }
+      if (r == t->like->rules.rain_count) r = chosen;
+    }
+    const frost_rain* rain = &t->like->tables.rains[r];
+    double direction[3];
+    frost_draw_direction(rain, &t->stream, direction);
+    for (int i = 0; i < FROST_PROPOSALS; ++i) {
+      uint64_t place = frost_draw_below(&t->stream, totals[r]);
+      for (uint32_t l = 0; l < v->link_count; ++l) {
+        const bool first = stands(t, v->links[l].shards[0]);
+        const uint64_t weight = t->exterior[l] != 0 ? frost_weight(rain, &v->links[l], first, scale) : 0;
+        if (place >= weight) {
+          place -= weight;
+          continue;
+        }
+        if (random_unit(&t->stream) * (double)weight < frost_share(&v->links[l], first, direction, scale)) {
+          *out = l;
+          return true;
+        }
+        break;
+      }
+    }
+    uint64_t total = 0;
+    for (uint32_t l = 0; l < v->link_count; ++l)
+      if (t->exterior[l] != 0) total += (uint64_t)frost_share(&v->links[l], stands(t, v->links[l].shards[0]), direction, scale);
+    if (total == 0) continue;
+    uint64_t place = frost_draw_below(&t->stream, total);
+    for (uint32_t l = 0; l < v->link_count; ++l) {
+      if (t->exterior[l] == 0) continue;
+      const uint64_t share = (uint64_t)frost_share(&v->links[l], stands(t, v->links[l].shards[0]), direction, scale);
+      if (place < share) {
+        *out = l;
+        return true;
+      }
+      place -= share;
+    }
+  }
+  return false;
+}
+
+static double f_r(const frost_twin* t, uint32_t link) {
+  return t->lives[link] * t->like->tables.resistance[link];
+}
+
+static double f_g(const frost_twin* t, uint32_t from, uint32_t to) {
+  const double *g = t->like->tables.gravity, *x = t->like->view.links[from].centroid, *y = t->like->view.links[to].centroid;
+  const double down = (g[0] * y[0] + g[1] * y[1] + g[2] * y[2]) - (g[0] * x[0] + g[1] * x[1] + g[2] * x[2]);
+  const double d[3] = {y[0] - x[0], y[1] - x[1], y[2] - x[2]};
+  return down > 0 ? down / sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) : 0;
+}
+
+/* p_flow, but for the factor that makes them sum to 1. Links that have no rock are gone with it. */
+static double flow(const frost_twin* t, uint32_t from, uint32_t to) {
+  const uint32_t* sides = t->like->view.links[to].shards;
+  if (!stands(t, sides[0]) && (sides[1] == SCREE_NO_SHARD || !stands(t, sides[1]))) return 0;
+  return f_g(t, from, to) * (1 - f_r(t, to));
+}
+
+static bool draw_way(frost_twin* t, uint32_t* link) {
+  const scree_shards_view* v = &t->like->view;
+  const uint32_t from = *link;
+  double sum = 0;
+  for (uint32_t k = v->neighbour_first[from]; k < v->neighbour_first[from + 1]; ++k) sum += flow(t, from, v->neighbours[k]);
+  if (!(sum > 0)) return false;
+  double left = random_unit(&t->stream) * sum;
+  for (uint32_t k = v->neighbour_first[from]; k < v->neighbour_first[from + 1]; ++k) {
+    const double share = flow(t, from, v->neighbours[k]);
+    if (share == 0) continue;
+    *link = v->neighbours[k];
+    if (left < share) return true;
+    left -= share;
+  }
+  return true;
+}
+
+/* --- 5.2: absorption and erosion --------------------------------------------------------------------------------------------- */
+
+static double w_abs(const frost_twin* t, uint32_t link) {
+  const scree_frost_rules* rules = &t->like->rules;
+  const double a = t->like->view.links[link].area, mean = t->like->view.mean_link_area;
+  const double k_solid = rules->solid_absorption / mean, k_air = rules->air_absorption / mean;
+  return t->lives[link] > 0 ? a * k_solid + f_r(t, link) * rules->resistance_absorption : a * k_air;
+}
+
+bool frost_twin_path(frost_twin* t, bool walk) {
+  const scree_frost_rules* rules = &t->like->rules;
+  const double k_dmg = rules->damage * t->like->view.mean_link_area;
+  uint32_t link;
+  if (!draw_start(t, &link)) return false;
+  double water = rules->water;
+  ++t->paths;
+  t->poured += water;
+  for (;;) {
+    ++t->visited;
+    double taken = w_abs(t, link);
+    taken = taken < water ? taken : water;
+    if (t->lives[link] > 0) {
+      const double life = t->lives[link] - k_dmg * taken / t->like->view.links[link].area;
+      if (!(life > 0)) {
+        break_link(t, link, walk);
+      } else if (life < rules->break_life && random_unit(&t->stream) < rules->break_chance * (1 - life / rules->break_life)) {
+        ++t->forced;
+        break_link(t, link, walk);
+      } else {
+        t->lives[link] = life;
+      }
+    }
+    water -= taken;
+    t->absorbed += taken;
+    if (water > 0 && rules->total_absorption && random_unit(&t->stream) < 1 - water / rules->water) {
+      t->absorbed += water;
+      water = 0;
+    }
+    if (!(water > 0) || !draw_way(t, &link)) break;
+  }
+  t->drained += water;
+  return true;
+}
