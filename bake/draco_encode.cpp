@@ -13,6 +13,7 @@ extern "C" {
 #include "mesh_digest.h"
 #include "mesh_normals.h"
 #include "occlusion.h"
+#include "uv_bytes.h"
 }
 
 namespace {
@@ -48,10 +49,10 @@ bool triangles_are_sound(const lattice_mesh& mesh) {
   return true;
 }
 
-// Positions with the occlusion's levels as fourth component, and what the surfaces of models have beside them; or, when a
+// Positions with the occlusion's levels as fourth component, and what the surfaces of models have beside them, and UVs; or, when a
 // measurement asks for it, apart from it or without.
 void add_vertices(const draco_encode_options& options, const lattice_mesh& mesh, const std::vector<uint8_t>& levels,
-                  draco::Mesh* out) {
+                  const std::vector<uint16_t>& uvs, draco::Mesh* out) {
   const bool together = options.occlusion_bits > 0 && !options.occlusion_apart;
   const int components = together ? 4 : 3;
   std::vector<int16_t> values;
@@ -63,6 +64,8 @@ void add_vertices(const draco_encode_options& options, const lattice_mesh& mesh,
   add_attribute(out, draco::GeometryAttribute::POSITION, draco::DT_INT16, components, values.data(), mesh.vertex_count);
   if (mesh.surface != nullptr)
     add_attribute(out, draco::GeometryAttribute::GENERIC, draco::DT_UINT8, 4, mesh.surface, mesh.vertex_count);
+  if (mesh.uvs != nullptr)
+    add_attribute(out, draco::GeometryAttribute::TEX_COORD, draco::DT_UINT16, 2, uvs.data(), mesh.vertex_count);
   if (options.occlusion_bits > 0 && options.occlusion_apart)
     add_attribute(out, draco::GeometryAttribute::GENERIC, draco::DT_UINT8, 1, levels.data(), mesh.vertex_count);
 }
@@ -77,6 +80,9 @@ scree_result encode(const draco_encode_options& options, const lattice_mesh& mes
     values[i] = occlusion_value(levels[i]);
   }
 
+  std::vector<uint16_t> uvs(mesh.uvs != nullptr ? 2 * size_t{mesh.vertex_count} : 0);
+  for (uint32_t i = 0; mesh.uvs != nullptr && i < mesh.vertex_count; ++i) uv_values(&mesh, i, &uvs[2 * size_t{i}]);
+
   draco::Mesh input;
   input.set_num_points(mesh.vertex_count);
   input.SetNumFaces(mesh.triangle_count);
@@ -84,7 +90,7 @@ scree_result encode(const draco_encode_options& options, const lattice_mesh& mes
     const uint32_t* corner = mesh.indices + 3 * size_t{i};
     input.SetFace(draco::FaceIndex(i), {draco::PointIndex(corner[0]), draco::PointIndex(corner[1]), draco::PointIndex(corner[2])});
   }
-  add_vertices(options, mesh, levels, &input);
+  add_vertices(options, mesh, levels, uvs, &input);
 
   draco::ExpertEncoder encoder(input);
   encoder.SetSpeedOptions(options.speed, options.speed);
@@ -109,7 +115,9 @@ scree_result encode(const draco_encode_options& options, const lattice_mesh& mes
   out->triangle_count = static_cast<uint32_t>(encoder.num_encoded_faces());
   const size_t stride = sizeof *mesh.positions;
   if (mesh.surface != nullptr)
-    out->digest = scree_rt_model_digest(mesh.positions, stride, values.data(), mesh.surface, mesh.indices, mesh.triangle_count);
+    out->digest = scree_rt_model_digest(mesh.positions, stride, values.data(), mesh.surface,
+                                        mesh.uvs != nullptr ? reinterpret_cast<const uint16_t(*)[2]>(uvs.data()) : nullptr,
+                                        mesh.indices, mesh.triangle_count);
   else
     out->digest = scree_rt_mesh_digest(mesh.positions, stride, values.data(), 1, mesh.indices, mesh.triangle_count);
   return SCREE_OK;
@@ -132,7 +140,7 @@ scree_result draco_encode_with(const draco_encode_options* options, const lattic
   out->error = mesh->error;
   out->digest = scree_rt_mesh_digest(nullptr, 0, nullptr, 0, nullptr, 0);
   if (mesh->triangle_count == 0) return SCREE_OK;
-  if (!triangles_are_sound(*mesh)) return SCREE_ERROR_INVALID_ARGUMENT;
+  if (!triangles_are_sound(*mesh) || (mesh->uvs != nullptr && mesh->surface == nullptr)) return SCREE_ERROR_INVALID_ARGUMENT;
   try {
     return encode(*options, *mesh, &allocator, out);
   } catch (const std::bad_alloc&) {

@@ -1,17 +1,27 @@
 #include "pack_writer.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 #include "allocator.h"
 #include "lattice.h"
 #include "pack_format.h"
+#include "plain_mesh.h"
+
+/* A placement by where it lies: code, then its number in the set. */
+typedef struct place {
+  uint64_t code;
+  uint32_t index;
+} place;
 
 /* Sizes and places of all sections. */
 typedef struct pack_layout {
   pack_section sections[PACK_SECTION_KINDS];
   uint32_t* blob_offsets; /* of every level, in units; levels with the same bytes share a blob */
   bool narrow_contacts, narrow_hulls;
+  scree_pack_kind kind;
   uint32_t kinds; /* of sections */
+  place* places;  /* of a cliff: its placements in the order of the file */
   uint64_t file_size;
   uint32_t max_rocks_per_cell;
   float max_radius;
@@ -150,11 +160,111 @@ static scree_result place_blobs(const rock_set* set, uint32_t* slots, size_t slo
   return SCREE_OK;
 }
 
+/* --- cliffs ----------------------------------------------------------------------------------------------------------------- */
+
+static uint32_t placement_count(const rock_set* set) {
+  return set->cliff != NULL ? set->cliff->placement_first[set->cliff->time_count] : 0;
+}
+
+/* False for NaN too. */
+static bool within(float value, float limit) {
+  return value >= -limit && value <= limit;
+}
+
+static bool placement_is_sound(const rock_set* set, const scree_block_placement* at) {
+  bool sound = at->asset >= set->cliff->time_count && at->asset < set->rock_count;
+  for (int axis = 0; axis < 3; ++axis) sound &= within(at->translation[axis], PACK_MAX_MODEL_REACH);
+  return sound;
+}
+
+/* The blob of the coarsest level says whether meshes have UVs. */
+static bool coarsest_is_a_cliffs(const rock_set* set, const rock_record* rock) {
+  const rock_lod* level = &rock->lods[set->lod_count - 1];
+  plain_mesh mesh;
+  return scree_rt_plain_mesh_read(level->blob, level->blob_size, level->vertex_count, level->triangle_count, SCREE_PACK_CLIFF,
+                                  &mesh);
+}
+
+static scree_result check_cliff(const rock_set* set) {
+  const cliff_record* cliff = set->cliff;
+  if (set->models == NULL || cliff->time_count != set->cell_first[1] || cliff->placement_first[0] != 0)
+    return SCREE_ERROR_INVALID_ARGUMENT;
+  for (uint32_t block = 1; block < set->cell_count; ++block)
+    if (set->cell_first[block + 1] - set->cell_first[block] != 1) return SCREE_ERROR_INVALID_ARGUMENT;
+  for (int axis = 0; axis < 2; ++axis) {
+    const float min = cliff->uvs.min[axis], max = cliff->uvs.max[axis];
+    if (!within(min, PACK_MAX_UV) || !within(max, PACK_MAX_UV) || min > max) return SCREE_ERROR_RANGE;
+  }
+  for (uint32_t t = 0; t < cliff->time_count; ++t)
+    if (cliff->placement_first[t] > cliff->placement_first[t + 1]) return SCREE_ERROR_INVALID_ARGUMENT;
+  for (uint32_t i = 0; i < placement_count(set); ++i)
+    if (!placement_is_sound(set, &cliff->placements[i])) return SCREE_ERROR_INVALID_ARGUMENT;
+  for (uint32_t i = 0; i < set->rock_count; ++i)
+    if (!coarsest_is_a_cliffs(set, &set->rocks[i])) return SCREE_ERROR_INVALID_ARGUMENT;
+  return SCREE_OK;
+}
+
+static int compare_places(const void* a, const void* b) {
+  const place *x = a, *y = b;
+  return x->code != y->code ? (x->code > y->code) - (x->code < y->code) : (x->index > y->index) - (x->index < y->index);
+}
+
+static scree_result sort_placements(const rock_set* set, const scree_allocator* allocator, pack_layout* layout) {
+  const uint32_t count = placement_count(set);
+  if (count == 0) return SCREE_OK;
+  layout->places = scree_rt_allocate(allocator, count, sizeof *layout->places);
+  if (layout->places == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
+  for (uint32_t i = 0; i < count; ++i)
+    layout->places[i] = (place){scree_rt_pack_place_code(set->cliff->placements[i].translation), i};
+  for (uint32_t t = 0; t < set->cliff->time_count; ++t) {
+    const uint32_t first = set->cliff->placement_first[t], end = set->cliff->placement_first[t + 1];
+    if (end > first) qsort(layout->places + first, end - first, sizeof *layout->places, compare_places);
+  }
+  return SCREE_OK;
+}
+
+/* Widens bounds until they hold the ball of a block, and a little more than rounding takes away. */
+static void hold_block(const rock_record* rock, const scree_block_placement* at, bool first, pack_time* time) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const double middle = (double)at->translation[axis] + (double)rock->centroid[axis];
+    double low = middle - (double)rock->outer_radius, high = middle + (double)rock->outer_radius;
+    low = low < (double)at->translation[axis] ? low : (double)at->translation[axis];
+    high = high > (double)at->translation[axis] ? high : (double)at->translation[axis];
+    low -= 1e-6 * (1 + (low < 0 ? -low : low));
+    high += 1e-6 * (1 + (high < 0 ? -high : high));
+    if (first || low < (double)time->bounds_min[axis]) time->bounds_min[axis] = (float)low;
+    if (first || high > (double)time->bounds_max[axis]) time->bounds_max[axis] = (float)high;
+  }
+}
+
+static void write_cliff(const rock_set* set, const pack_layout* layout, uint8_t* bytes) {
+  pack_placement* placements = (pack_placement*)(void*)(bytes + layout->sections[PACK_PLACEMENTS - 1].offset);
+  pack_time* times = (pack_time*)(void*)(bytes + layout->sections[PACK_TIMES - 1].offset);
+  pack_uvs* uvs = (pack_uvs*)(void*)(bytes + layout->sections[PACK_UVS - 1].offset);
+  memcpy(uvs->min, set->cliff->uvs.min, sizeof uvs->min);
+  memcpy(uvs->max, set->cliff->uvs.max, sizeof uvs->max);
+  for (uint32_t t = 0; t < set->cliff->time_count; ++t) {
+    const uint32_t first = set->cliff->placement_first[t], end = set->cliff->placement_first[t + 1];
+    times[t].first_placement = first;
+    times[t].placement_count = end - first;
+    for (uint32_t i = first; i < end; ++i) {
+      const scree_block_placement* from = &set->cliff->placements[layout->places[i].index];
+      placements[i].asset = from->asset;
+      memcpy(placements[i].translation, from->translation, sizeof from->translation);
+      hold_block(&set->rocks[from->asset], from, i == first, &times[t]);
+    }
+  }
+}
+
+/* --- all of it -------------------------------------------------------------------------------------------------------------- */
+
 static scree_result measure(const rock_set* set, const scree_allocator* allocator, pack_layout* layout) {
   uint64_t contacts = 0, hull_vertices = 0, parts = 0, blob_bytes = 0;
-  layout->kinds = set->models != NULL ? PACK_SECTION_KINDS : PACK_TILE_KINDS;
+  layout->kind = set->cliff != NULL ? SCREE_PACK_CLIFF : set->models != NULL ? SCREE_PACK_MODELS : SCREE_PACK_TILES;
+  layout->kinds = scree_rt_pack_kinds(&(pack_header){.kind = (uint8_t)layout->kind});
   scree_result result = check_cells(set, layout);
   if (result == SCREE_OK) result = count_records(set, layout, &contacts, &hull_vertices, &parts);
+  if (result == SCREE_OK && set->cliff != NULL) result = check_cliff(set);
   if (result != SCREE_OK) return result;
 
   const uint64_t n = set->cells_per_cube, levels = level_count(set);
@@ -166,6 +276,7 @@ static scree_result measure(const rock_set* set, const scree_allocator* allocato
   result = slots != NULL && layout->blob_offsets != NULL ? SCREE_OK : SCREE_ERROR_OUT_OF_MEMORY;
   if (result == SCREE_OK) result = place_blobs(set, slots, slot_count, layout->blob_offsets, &blob_bytes);
   scree_rt_release(allocator, slots, slot_count, sizeof *slots);
+  if (result == SCREE_OK && set->cliff != NULL) result = sort_placements(set, allocator, layout);
   if (result != SCREE_OK) return result;
   const uint64_t elements[PACK_SECTION_KINDS] = {
       strlen(set->recipe) + 1,
@@ -179,6 +290,9 @@ static scree_result measure(const rock_set* set, const scree_allocator* allocato
       blob_bytes,
       parts + 1,
       set->rock_count,
+      placement_count(set),
+      set->cliff != NULL ? set->cliff->time_count : 0,
+      1,
   };
   return place_sections(elements, layout);
 }
@@ -299,7 +413,7 @@ static void seal(const rock_set* set, pack_layout* layout, uint8_t* bytes) {
       .file_size = layout->file_size,
       .table_digest = scree_rt_pack_bytes_digest(layout->sections, table_size),
       .cells_per_cube = (uint8_t)set->cells_per_cube,
-      .kind = set->models != NULL ? SCREE_PACK_MODELS : SCREE_PACK_TILES,
+      .kind = (uint8_t)layout->kind,
       .lattice_per_cell = (uint16_t)set->lattice_per_cell,
       .proxy_per_cell = (uint16_t)set->proxy_per_cell,
       .lod_count = set->lod_count,
@@ -323,6 +437,7 @@ static scree_result write(const rock_set* set, const scree_allocator* allocator,
   memcpy(pack + layout->sections[PACK_CELLS - 1].offset, set->cell_first, (size_t)layout->sections[PACK_CELLS - 1].size);
   write_rocks(set, layout, pack);
   if (set->models != NULL) write_models(set, layout, pack);
+  if (set->cliff != NULL) write_cliff(set, layout, pack);
   write_levels(set, layout, pack);
   seal(set, layout, pack);
   *bytes = pack;
@@ -334,6 +449,7 @@ scree_result pack_write(const rock_set* set, const scree_allocator* given, uint8
   *bytes = NULL;
   pack_layout layout = {0};
   const scree_result result = write(set, &allocator, &layout, bytes);
+  if (set->cliff != NULL) scree_rt_release(&allocator, layout.places, placement_count(set), sizeof *layout.places);
   scree_rt_release(&allocator, layout.blob_offsets, level_count(set), sizeof *layout.blob_offsets);
   *size = result == SCREE_OK ? (size_t)layout.file_size : 0;
   return result;

@@ -50,6 +50,8 @@ static void end_progress(bool is_shown) {
 
 typedef struct mesh_buffer {
   scree_vertex* vertices;
+  scree_uv* uvs; /* of cliffs, as the next: vertex_capacity */
+  uint8_t* groups;
   uint32_t* indices;
   size_t vertex_capacity, index_capacity;
 } mesh_buffer;
@@ -62,7 +64,7 @@ typedef struct mesh_fault {
 typedef struct mesh_check {
   const scree_pack* pack;
   uint32_t first_asset, lod_count;
-  bool models;
+  scree_pack_kind kind;
   mesh_buffer buffers[THREADS_MAX];
   mesh_fault faults[ASSETS_AT_ONCE]; /* by asset, so that the first one is told whatever the order */
 } mesh_check;
@@ -70,8 +72,13 @@ typedef struct mesh_check {
 static bool make_room(mesh_buffer* buffer, size_t vertices, size_t indices) {
   if (buffer->vertex_capacity < vertices) {
     free(buffer->vertices);
+    free(buffer->uvs);
+    free(buffer->groups);
     buffer->vertices = malloc(vertices * sizeof *buffer->vertices);
-    buffer->vertex_capacity = buffer->vertices != NULL ? vertices : 0;
+    buffer->uvs = malloc(vertices * sizeof *buffer->uvs);
+    buffer->groups = malloc(vertices);
+    const bool complete = buffer->vertices != NULL && buffer->uvs != NULL && buffer->groups != NULL;
+    buffer->vertex_capacity = complete ? vertices : 0;
   }
   if (buffer->index_capacity < indices) {
     free(buffer->indices);
@@ -81,7 +88,7 @@ static bool make_room(mesh_buffer* buffer, size_t vertices, size_t indices) {
   return buffer->vertex_capacity >= vertices && buffer->index_capacity >= indices;
 }
 
-static scree_result check_mesh(const scree_pack* pack, bool models, uint32_t asset, uint32_t lod, mesh_buffer* buffer) {
+static scree_result check_mesh(const scree_pack* pack, scree_pack_kind kind, uint32_t asset, uint32_t lod, mesh_buffer* buffer) {
   scree_lod level;
   scree_result result = scree_pack_get_lod(pack, asset, lod, &level);
   if (result != SCREE_OK) return result;
@@ -89,9 +96,13 @@ static scree_result check_mesh(const scree_pack* pack, bool models, uint32_t ass
   if (!make_room(buffer, level.vertices, index_count)) return SCREE_ERROR_OUT_OF_MEMORY;
   result =
       scree_draco_decode_u32(pack, asset, lod, buffer->vertices, buffer->vertex_capacity, buffer->indices, buffer->index_capacity);
+  if (result == SCREE_OK && kind == SCREE_PACK_CLIFF)
+    result = scree_draco_decode_uvs(pack, asset, lod, buffer->uvs, buffer->groups, buffer->vertex_capacity);
   if (result != SCREE_OK) return result;
-  const uint64_t digest =
-      (models ? scree_model_mesh_digest : scree_mesh_digest)(buffer->vertices, level.vertices, buffer->indices, level.triangles);
+  const uint64_t digest = kind == SCREE_PACK_CLIFF ? scree_cliff_mesh_digest(buffer->vertices, buffer->uvs, buffer->groups,
+                                                                             level.vertices, buffer->indices, level.triangles)
+                                                   : (kind == SCREE_PACK_MODELS ? scree_model_mesh_digest : scree_mesh_digest)(
+                                                         buffer->vertices, level.vertices, buffer->indices, level.triangles);
   return digest == level.digest ? SCREE_OK : SCREE_ERROR_DIGEST;
 }
 
@@ -100,7 +111,7 @@ static void check_asset(void* context, uint32_t index, uint32_t worker) {
   mesh_fault* fault = &check->faults[index];
   *fault = (mesh_fault){SCREE_OK, check->first_asset + index, 0};
   for (; fault->lod < check->lod_count; ++fault->lod) {
-    fault->result = check_mesh(check->pack, check->models, fault->asset, fault->lod, &check->buffers[worker]);
+    fault->result = check_mesh(check->pack, check->kind, fault->asset, fault->lod, &check->buffers[worker]);
     if (fault->result != SCREE_OK) return;
   }
 }
@@ -112,7 +123,7 @@ static scree_result check_meshes(const scree_pack* pack, const scree_pack_info* 
   if (check == NULL) return fail_with(error, SCREE_ERROR_OUT_OF_MEMORY, "%s: out of memory", path);
   check->pack = pack;
   check->lod_count = info->lod_count;
-  check->models = info->kind == SCREE_PACK_MODELS;
+  check->kind = info->kind;
   const bool is_shown = isatty(STDERR_FILENO) != 0;
   scree_result result = SCREE_OK;
   const uint32_t total = info->asset_count + info->proxy_count;
@@ -131,6 +142,8 @@ static scree_result check_meshes(const scree_pack* pack, const scree_pack_info* 
   end_progress(is_shown);
   for (uint32_t i = 0; i < THREADS_MAX; ++i) {
     free(check->buffers[i].vertices);
+    free(check->buffers[i].uvs);
+    free(check->buffers[i].groups);
     free(check->buffers[i].indices);
   }
   free(check);

@@ -134,13 +134,56 @@ static void text_models(const info_report* report, const scree_pack* pack, text_
   if (shown < report->pack.asset_count) buffer_format(out, "  and %u more\n", report->pack.asset_count - shown);
 }
 
+/* Blocks are many: how many there are and how large, instead of a line for each. */
+static void text_cliff(const info_report* report, const scree_pack* pack, text_buffer* out) {
+  buffer_add(out,
+             "\ntimes of the cliff\n   time     paths  stands  height, m  parts  triangles     bytes  blocks that lie about\n");
+  for (uint32_t t = 0; t < report->pack.time_count; ++t) {
+    scree_cliff_time time;
+    scree_model model;
+    scree_lod level;
+    if (scree_pack_get_time(pack, t, &time) != SCREE_OK || scree_pack_get_model(pack, time.asset, &model) != SCREE_OK) return;
+    if (scree_pack_get_lod(pack, time.asset, 0, &level) != SCREE_OK) return;
+    uint64_t bytes = level.blob_size;
+    const uint32_t triangles = level.triangles;
+    for (uint32_t lod = 1; lod < report->pack.lod_count && scree_pack_get_lod(pack, time.asset, lod, &level) == SCREE_OK; ++lod)
+      bytes += level.blob_size;
+    buffer_format(out, "  %5u  %8u  %4.1f %%  %9.2f  %5u  %9u  %8llu  %u", t, time.paths, 100 * (double)time.share,
+                  (double)model.height, model.part_count, triangles, (unsigned long long)bytes, time.placement_count);
+    if (time.placement_count > 0)
+      buffer_format(out, " within (%.1f, %.1f, %.1f) .. (%.1f, %.1f, %.1f) m", (double)time.bounds_min[0],
+                    (double)time.bounds_min[1], (double)time.bounds_min[2], (double)time.bounds_max[0], (double)time.bounds_max[1],
+                    (double)time.bounds_max[2]);
+    buffer_add(out, "\n");
+  }
+  info_range volume = nothing;
+  uint64_t triangles = 0;
+  const uint32_t first = report->pack.time_count, count = report->pack.asset_count - first;
+  for (uint32_t i = first; i < report->pack.asset_count; ++i) {
+    scree_asset asset;
+    scree_lod level;
+    if (scree_pack_get_asset(pack, i, &asset) != SCREE_OK || scree_pack_get_lod(pack, i, 0, &level) != SCREE_OK) return;
+    widen(&volume, (double)asset.volume);
+    triangles += level.triangles;
+  }
+  if (count > 0)
+    buffer_format(out, "  %u blocks of %.3f .. %.3f m3, %.3f m3 together, %.1f triangles each\n", count, volume.least,
+                  volume.greatest, volume.sum, (double)triangles / count);
+  buffer_format(out, "  UVs of %g .. %g, %g .. %g\n", (double)report->pack.uv_min[0], (double)report->pack.uv_max[0],
+                (double)report->pack.uv_min[1], (double)report->pack.uv_max[1]);
+}
+
 void info_write_text(const info_report* report, const scree_pack* open, const char* path, text_buffer* out) {
   const scree_pack_info* pack = &report->pack;
   buffer_add(out, path);
   buffer_format(out, ": scree pack, format %u, %.2f MB, digest %016llx\n", pack->format_version, 1e-6 * (double)pack->file_size,
                 (unsigned long long)pack->digest);
-  const bool models = pack->kind == SCREE_PACK_MODELS;
-  if (models) {
+  const bool cliff = pack->kind == SCREE_PACK_CLIFF, models = cliff || pack->kind == SCREE_PACK_MODELS;
+  if (cliff) {
+    buffer_format(out, "  a cliff at %u times, %u blocks that fell, %u placements of these\n", pack->time_count,
+                  pack->variant_count - 1, pack->placement_count);
+    buffer_format(out, "  a cell is a metre: %u lattice steps", pack->lattice_per_cell);
+  } else if (models) {
     buffer_format(out, "  %u models: %u variants, each in up to %u ages\n", pack->asset_count, pack->variant_count,
                   pack->max_rocks_per_cell);
     buffer_format(out, "  a cell is a metre: %u lattice steps", pack->lattice_per_cell);
@@ -157,7 +200,10 @@ void info_write_text(const info_report* report, const scree_pack* open, const ch
     buffer_format(out, "  %-12s %12llu bytes  %5.1f %%  digest %016llx\n", section->name, (unsigned long long)section->size,
                   100.0 * (double)section->size / (double)pack->file_size, (unsigned long long)section->digest);
   }
-  if (models) text_models(report, open, out);
+  if (cliff)
+    text_cliff(report, open, out);
+  else if (models)
+    text_models(report, open, out);
   text_levels(out, models ? "models" : "rocks", report->lods, pack->lod_count);
   if (pack->proxy_count > 0) {
     text_levels(out, "proxies of whole tiles", report->whole, pack->lod_count);
@@ -307,11 +353,32 @@ static void json_levels(text_buffer* out, const info_lod* levels, uint32_t count
   }
 }
 
+static void json_cliff(const scree_pack* pack, const scree_pack_info* info, text_buffer* out) {
+  buffer_format(out, ",\n  \"placements\": %u", info->placement_count);
+  json_floats(out, "uv_min", info->uv_min, 2);
+  json_floats(out, "uv_max", info->uv_max, 2);
+  buffer_add(out, ",\n  \"times\": [");
+  for (uint32_t t = 0; t < info->time_count; ++t) {
+    scree_cliff_time time;
+    if (scree_pack_get_time(pack, t, &time) != SCREE_OK) break;
+    buffer_format(out, "%s\n    {\"asset\": %u, \"paths\": %u, \"first_placement\": %u, \"placements\": %u, \"share\": ",
+                  t > 0 ? "," : "", time.asset, time.paths, time.first_placement, time.placement_count);
+    buffer_float(out, time.share);
+    json_floats(out, "bounds_min", time.bounds_min, 3);
+    json_floats(out, "bounds_max", time.bounds_max, 3);
+    buffer_add(out, "}");
+  }
+  buffer_add(out, "\n  ]");
+}
+
 void info_write_json(const info_report* report, const scree_pack* pack, text_buffer* out) {
   const scree_pack_info* info = &report->pack;
   buffer_format(out, "{\n  \"format_version\": %u,\n  \"file_size\": %llu,\n  \"digest\": \"%016llx\",\n", info->format_version,
                 (unsigned long long)info->file_size, (unsigned long long)info->digest);
-  buffer_format(out, "  \"kind\": \"%s\",\n", info->kind == SCREE_PACK_MODELS ? "models" : "tiles");
+  buffer_format(out, "  \"kind\": \"%s\",\n",
+                info->kind == SCREE_PACK_CLIFF    ? "cliff"
+                : info->kind == SCREE_PACK_MODELS ? "models"
+                                                  : "tiles");
   buffer_format(out, "  \"cells_per_cube\": %u,\n  \"lattice_per_cell\": %u,\n  \"lod_count\": %u,\n", info->cells_per_cube,
                 info->lattice_per_cell, info->lod_count);
   buffer_format(out, "  \"proxy_count\": %u,\n  \"proxy_per_cell\": %u,\n", info->proxy_count, info->proxy_per_cell);
@@ -343,7 +410,8 @@ void info_write_json(const info_report* report, const scree_pack* pack, text_buf
   json_range(out, "inner_radius", &report->inner_radius, info->asset_count);
   json_range(out, "outer_radius", &report->outer_radius, info->asset_count);
   json_range(out, "hull_vertices", &report->hull_vertices, info->asset_count);
-  if (info->kind == SCREE_PACK_MODELS) {
+  if (info->kind == SCREE_PACK_CLIFF) json_cliff(pack, info, out);
+  if (info->kind != SCREE_PACK_TILES) {
     buffer_format(out, ",\n  \"variants\": %u,\n  \"models\": [", info->variant_count);
     for (uint32_t i = 0; i < info->asset_count; ++i) {
       buffer_add(out, i > 0 ? ",\n    " : "\n    ");

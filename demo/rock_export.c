@@ -450,7 +450,7 @@ scree_result rock_export_add(rock_export* file, const rock_layer* layer, rock_ex
     scree_pack_get_info(layer->pack, &info);
     s.lod = file->desc.lod < info.lod_count ? file->desc.lod : info.lod_count - 1;
     s.step = (float)(layer->cell_size / info.lattice_per_cell);
-    s.hoodoos = info.kind == SCREE_PACK_MODELS;
+    s.hoodoos = info.kind != SCREE_PACK_TILES;
   }
   s.first_node = glb_node_count(file->glb);
   s.shapes = calloc(BATCH, sizeof *s.shapes);

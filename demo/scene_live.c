@@ -186,6 +186,9 @@ static scree_result open_scatter(scene_live* w, uint32_t index, opened_field* ma
   if (from->pack != NULL) {
     scree_pack_info info;
     scree_pack_get_info(from->pack, &info);
+    if (info.kind == SCREE_PACK_CLIFF)
+      return fail_with(error, SCREE_ERROR_PACK_KIND, "%s: fields[%u].pack: %s holds a cliff, whose blocks lie where they fell",
+                       w->desc.paths.scene, (unsigned)index, from->key);
     if (info.kind != SCREE_PACK_MODELS)
       return fail_with(error, SCREE_ERROR_PACK_KIND,
                        "%s: fields[%u].pack: %s holds rocks, which fill shapes: give the field a cell_size instead of a spacing",
@@ -226,6 +229,9 @@ static scree_result open_field(scene_live* w, uint32_t index, opened_field* made
   if (model->is_scatter) return open_scatter(w, index, made, error);
   scree_pack_info info;
   scree_pack_get_info(made->pack->pack, &info);
+  if (info.kind == SCREE_PACK_CLIFF)
+    return fail_with(error, SCREE_ERROR_PACK_KIND, "%s: fields[%u].pack: %s holds a cliff, which fills no shape",
+                     w->desc.paths.scene, (unsigned)index, made->pack->key);
   if (info.kind != SCREE_PACK_TILES)
     return fail_with(error, SCREE_ERROR_PACK_KIND,
                      "%s: fields[%u].pack: %s holds models, which stand on the ground: give the field a spacing",

@@ -29,7 +29,7 @@ const char* scree_result_string(scree_result result) {
     case SCREE_ERROR_SYNTAX: return "syntax error";
     case SCREE_ERROR_RANGE: return "number out of range";
     case SCREE_ERROR_CANCELLED: return "cancelled";
-    case SCREE_ERROR_PACK_KIND: return "pack is of the wrong kind: models are not tiles";
+    case SCREE_ERROR_PACK_KIND: return "pack is of the wrong kind: tiles, models and a cliff are not alike";
   }
   return "unknown result code";
 }

@@ -25,23 +25,38 @@ const draco::PointAttribute* vertex_attribute(const draco::Mesh& mesh) {
   return attribute;
 }
 
-// The second attribute of models.
-const draco::PointAttribute* surface_attribute(const draco::Mesh& mesh) {
-  const draco::PointAttribute* attribute = mesh.GetNamedAttribute(draco::GeometryAttribute::GENERIC);
-  if (attribute == nullptr || attribute->data_type() != draco::DT_UINT8 || attribute->num_components() != 4) return nullptr;
-  if (attribute->byte_stride() != 4 || attribute->byte_offset() != 0) return nullptr;
-  if (attribute->buffer()->data_size() / 4 < attribute->size()) return nullptr;
+// An attribute without gaps, or null. What models have beside positions is GENERIC, and what cliffs have besides is TEX_COORD.
+const draco::PointAttribute* other_attribute(const draco::Mesh& mesh, draco::GeometryAttribute::Type kind, draco::DataType type,
+                                             int components) {
+  const draco::PointAttribute* attribute = mesh.GetNamedAttribute(kind);
+  if (attribute == nullptr || attribute->data_type() != type || attribute->num_components() != components) return nullptr;
+  const int64_t stride = int64_t{components} * draco::DataTypeLength(type);
+  if (attribute->byte_stride() != stride || attribute->byte_offset() != 0) return nullptr;
+  if (attribute->buffer()->data_size() / static_cast<size_t>(stride) < attribute->size()) return nullptr;
   return attribute;
 }
 
+const draco::PointAttribute* surface_attribute(const draco::Mesh& mesh) {
+  return other_attribute(mesh, draco::GeometryAttribute::GENERIC, draco::DT_UINT8, 4);
+}
+
+const draco::PointAttribute* uv_attribute(const draco::Mesh& mesh) {
+  return other_attribute(mesh, draco::GeometryAttribute::TEX_COORD, draco::DT_UINT16, 2);
+}
+
+// The bytes of a vertex, each `size` long; null where it has none.
+const uint8_t* value_of(const draco::PointAttribute& attribute, uint32_t vertex, size_t size) {
+  if (attribute.is_mapping_identity() && attribute.size() <= vertex) return nullptr;
+  const uint32_t index = attribute.mapped_index(draco::PointIndex(vertex)).value();
+  return index < attribute.size() ? attribute.buffer()->data() + size_t{index} * size : nullptr;
+}
+
 // Adds what the surface of a model has. Returns false when a vertex has no value, or one that cannot be.
-bool copy_surface(const draco::PointAttribute& attribute, uint32_t vertex_count, scree_vertex* vertices) {
-  const uint8_t* values = attribute.buffer()->data();
-  if (attribute.is_mapping_identity() && attribute.size() < vertex_count) return false;
+bool copy_surface(const draco::PointAttribute& attribute, bool cliff, uint32_t vertex_count, scree_vertex* vertices) {
   for (uint32_t i = 0; i < vertex_count; ++i) {
-    const uint32_t index = attribute.mapped_index(draco::PointIndex(i)).value();
-    if (index >= attribute.size() || !scree_rt_surface_is_sound(values + size_t{index} * 4)) return false;
-    scree_rt_surface_decode(values + size_t{index} * 4, &vertices[i]);
+    const uint8_t* value = value_of(attribute, i, 4);
+    if (value == nullptr || !scree_rt_surface_is_sound(value, cliff)) return false;
+    scree_rt_surface_decode(value, &vertices[i]);
   }
   return true;
 }
@@ -97,24 +112,31 @@ bool head_matches(const uint8_t* blob, size_t blob_size, uint32_t triangle_count
   return faces == triangle_count && vertices <= 3 * uint64_t{triangle_count};
 }
 
-scree_result decode(const uint8_t* blob, size_t blob_size, uint32_t vertex_count, uint32_t triangle_count, bool model,
-                    scree_vertex* vertices, void* indices, uint32_t index_size) {
+// Decodes into a mesh of just these numbers of vertices and triangles, with the attributes that blobs of packs of this kind have.
+scree_result decode_mesh(const uint8_t* blob, size_t blob_size, uint32_t vertex_count, uint32_t triangle_count,
+                         scree_pack_kind kind, draco::Mesh* mesh) {
   if (!head_matches(blob, blob_size, triangle_count)) return SCREE_ERROR_CORRUPT;
   draco::DecoderBuffer buffer;
   buffer.Init(reinterpret_cast<const char*>(blob), blob_size);
-  draco::Mesh mesh;
   draco::Decoder decoder;
-  if (!decoder.DecodeBufferToGeometry(&buffer, &mesh).ok()) return SCREE_ERROR_CORRUPT;
-  if (mesh.num_points() != vertex_count || mesh.num_faces() != triangle_count) return SCREE_ERROR_CORRUPT;
-  const draco::PointAttribute* attribute = vertex_attribute(mesh);
-  const draco::PointAttribute* surface = model ? surface_attribute(mesh) : nullptr;
-  if (attribute == nullptr || (model && surface == nullptr)) return SCREE_ERROR_CORRUPT;
+  if (!decoder.DecodeBufferToGeometry(&buffer, mesh).ok()) return SCREE_ERROR_CORRUPT;
+  if (mesh->num_points() != vertex_count || mesh->num_faces() != triangle_count) return SCREE_ERROR_CORRUPT;
+  if (vertex_attribute(*mesh) == nullptr) return SCREE_ERROR_CORRUPT;
+  if (kind != SCREE_PACK_TILES && surface_attribute(*mesh) == nullptr) return SCREE_ERROR_CORRUPT;
+  return kind != SCREE_PACK_CLIFF || uv_attribute(*mesh) != nullptr ? SCREE_OK : SCREE_ERROR_CORRUPT;
+}
 
+scree_result decode(const uint8_t* blob, size_t blob_size, uint32_t vertex_count, uint32_t triangle_count, scree_pack_kind kind,
+                    scree_vertex* vertices, void* indices, uint32_t index_size) {
+  draco::Mesh mesh;
+  const scree_result result = decode_mesh(blob, blob_size, vertex_count, triangle_count, kind, &mesh);
+  if (result != SCREE_OK) return result;
   const size_t index_count = 3 * size_t{triangle_count};
   const uint32_t* decoded = triangle_indices(mesh);
   if (!indices_are_below(decoded, index_count, vertex_count)) return SCREE_ERROR_CORRUPT;
-  if (!copy_vertices(*attribute, vertex_count, vertices)) return SCREE_ERROR_CORRUPT;
-  if (model && !copy_surface(*surface, vertex_count, vertices)) return SCREE_ERROR_CORRUPT;
+  if (!copy_vertices(*vertex_attribute(mesh), vertex_count, vertices)) return SCREE_ERROR_CORRUPT;
+  if (kind != SCREE_PACK_TILES && !copy_surface(*surface_attribute(mesh), kind == SCREE_PACK_CLIFF, vertex_count, vertices))
+    return SCREE_ERROR_CORRUPT;
   const std::unique_ptr<char[]> scratch(new char[size_t{vertex_count} * MESH_NORMALS_SCRATCH]);
   scree_rt_mesh_normals(vertices, vertex_count, decoded, triangle_count, scratch.get());
 
@@ -123,6 +145,21 @@ scree_result decode(const uint8_t* blob, size_t blob_size, uint32_t vertex_count
   } else {
     uint16_t* narrow = static_cast<uint16_t*>(indices);
     for (size_t i = 0; i < index_count; ++i) narrow[i] = static_cast<uint16_t>(decoded[i]);
+  }
+  return SCREE_OK;
+}
+
+scree_result decode_uvs(const uint8_t* blob, size_t blob_size, uint32_t vertex_count, uint32_t triangle_count, scree_uv* uvs,
+                        uint8_t* groups) {
+  draco::Mesh mesh;
+  const scree_result result = decode_mesh(blob, blob_size, vertex_count, triangle_count, SCREE_PACK_CLIFF, &mesh);
+  if (result != SCREE_OK) return result;
+  for (uint32_t i = 0; i < vertex_count; ++i) {
+    const uint8_t* uv = value_of(*uv_attribute(mesh), i, sizeof *uvs);
+    const uint8_t* surface = value_of(*surface_attribute(mesh), i, 4);
+    if (uv == nullptr || surface == nullptr) return SCREE_ERROR_CORRUPT;
+    std::memcpy(&uvs[i], uv, sizeof *uvs);
+    if (groups != nullptr) groups[i] = surface[3];
   }
   return SCREE_OK;
 }
@@ -138,17 +175,17 @@ scree_result decode_lod(const scree_pack* pack, uint32_t asset, uint32_t lod, sc
   if (vertex_capacity < level.vertices || index_capacity / 3 < level.triangles) return SCREE_ERROR_CAPACITY;
   if ((vertices == nullptr && level.vertices > 0) || (indices == nullptr && level.triangles > 0))
     return SCREE_ERROR_INVALID_ARGUMENT;
-  return scree_rt_draco_decode_blob(level.blob, level.blob_size, level.vertices, level.triangles, pack->models != nullptr, vertices,
-                                    indices, index_size);
+  return scree_rt_draco_decode_blob(level.blob, level.blob_size, level.vertices, level.triangles, pack->kind, vertices, indices,
+                                    index_size);
 }
 
 }  // namespace
 
 scree_result scree_rt_draco_decode_blob(const uint8_t* blob, size_t blob_size, uint32_t vertex_count, uint32_t triangle_count,
-                                        bool model, scree_vertex* vertices, void* indices, uint32_t index_size) {
+                                        scree_pack_kind kind, scree_vertex* vertices, void* indices, uint32_t index_size) {
   if (triangle_count == 0) return vertex_count == 0 ? SCREE_OK : SCREE_ERROR_CORRUPT;
   try {
-    return decode(blob, blob_size, vertex_count, triangle_count, model, vertices, indices, index_size);
+    return decode(blob, blob_size, vertex_count, triangle_count, kind, vertices, indices, index_size);
   } catch (const std::bad_alloc&) {
     return SCREE_ERROR_OUT_OF_MEMORY;
   } catch (...) {
@@ -164,4 +201,28 @@ scree_result scree_draco_decode_u16(const scree_pack* pack, uint32_t asset, uint
 scree_result scree_draco_decode_u32(const scree_pack* pack, uint32_t asset, uint32_t lod, scree_vertex* vertices,
                                     size_t vertex_capacity, uint32_t* indices, size_t index_capacity) {
   return decode_lod(pack, asset, lod, vertices, vertex_capacity, indices, index_capacity, sizeof(uint32_t));
+}
+
+scree_result scree_rt_draco_decode_uvs(const uint8_t* blob, size_t blob_size, uint32_t vertex_count, uint32_t triangle_count,
+                                       scree_uv* uvs, uint8_t* groups) {
+  if (triangle_count == 0) return vertex_count == 0 ? SCREE_OK : SCREE_ERROR_CORRUPT;
+  try {
+    return decode_uvs(blob, blob_size, vertex_count, triangle_count, uvs, groups);
+  } catch (const std::bad_alloc&) {
+    return SCREE_ERROR_OUT_OF_MEMORY;
+  } catch (...) {
+    return SCREE_ERROR_CORRUPT;
+  }
+}
+
+scree_result scree_draco_decode_uvs(const scree_pack* pack, uint32_t asset, uint32_t lod, scree_uv* uvs, uint8_t* groups,
+                                    size_t capacity) {
+  if (pack == nullptr || pack->kind != SCREE_PACK_CLIFF) return SCREE_ERROR_INVALID_ARGUMENT;
+  scree_lod level;
+  const scree_result result = scree_pack_get_lod(pack, asset, lod, &level);
+  if (result != SCREE_OK) return result;
+  if (lod + 1 == pack->header->lod_count) return scree_pack_coarse_uvs(pack, asset, uvs, groups, capacity);
+  if (capacity < level.vertices) return SCREE_ERROR_CAPACITY;
+  if (uvs == nullptr) return SCREE_ERROR_INVALID_ARGUMENT;
+  return scree_rt_draco_decode_uvs(level.blob, level.blob_size, level.vertices, level.triangles, uvs, groups);
 }

@@ -14,6 +14,7 @@ typedef struct vertex_keys {
   const uint8_t* occlusion;
   size_t occlusion_stride;
   const uint8_t (*surface)[4]; /* NULL for rocks */
+  const uint16_t (*uvs)[2];    /* NULL but for cliffs */
 } vertex_keys;
 
 enum { MOST_WORDS = 2 };
@@ -26,6 +27,7 @@ static void vertex_key(const vertex_keys* keys, uint32_t index, uint64_t* key) {
   if (keys->surface == NULL) return;
   const uint8_t* s = keys->surface[index];
   key[1] = (uint64_t)s[0] | (uint64_t)s[1] << 8 | (uint64_t)(s[2] ^ 0x80u) << 16; /* + 128 to two's complement */
+  if (keys->uvs != NULL) key[1] |= (uint64_t)s[3] << 24 | (uint64_t)keys->uvs[index][0] << 32 | (uint64_t)keys->uvs[index][1] << 48;
 }
 
 static bool less(const uint64_t* a, const uint64_t* b, size_t words) {
@@ -53,12 +55,12 @@ static uint64_t mesh_digest(const vertex_keys* keys, const uint32_t* indices, si
 
 uint64_t scree_rt_mesh_digest(const void* positions, size_t position_stride, const uint8_t* occlusion, size_t occlusion_stride,
                               const uint32_t* indices, size_t triangle_count) {
-  return mesh_digest(&(vertex_keys){positions, position_stride, occlusion, occlusion_stride, NULL}, indices, triangle_count);
+  return mesh_digest(&(vertex_keys){positions, position_stride, occlusion, occlusion_stride, NULL, NULL}, indices, triangle_count);
 }
 
 uint64_t scree_rt_model_digest(const void* positions, size_t position_stride, const uint8_t* occlusion, const uint8_t (*surface)[4],
-                               const uint32_t* indices, size_t triangle_count) {
-  return mesh_digest(&(vertex_keys){positions, position_stride, occlusion, 1, surface}, indices, triangle_count);
+                               const uint16_t (*uvs)[2], const uint32_t* indices, size_t triangle_count) {
+  return mesh_digest(&(vertex_keys){positions, position_stride, occlusion, 1, surface, uvs}, indices, triangle_count);
 }
 
 static bool indices_fit(const uint32_t* indices, size_t triangle_count, size_t vertex_count) {
@@ -74,8 +76,9 @@ uint64_t scree_mesh_digest(const scree_vertex* vertices, size_t vertex_count, co
                               triangle_count);
 }
 
-uint64_t scree_model_mesh_digest(const scree_vertex* vertices, size_t vertex_count, const uint32_t* indices,
-                                 size_t triangle_count) {
+/* uvs, groups: NULL but for cliffs. */
+static uint64_t surface_digest(const scree_vertex* vertices, const scree_uv* uvs, const uint8_t* groups, size_t vertex_count,
+                               const uint32_t* indices, size_t triangle_count) {
   if (!indices_fit(indices, triangle_count, vertex_count)) return 0;
   /* The bytes of a vertex do not lie together as those of a blob do, and there is no memory to gather them all in: one triangle at
    * a time. */
@@ -83,15 +86,31 @@ uint64_t scree_model_mesh_digest(const scree_vertex* vertices, size_t vertex_cou
   for (size_t triangle = 0; triangle < triangle_count; ++triangle) {
     int16_t positions[3][3];
     uint8_t occlusion[3], surface[3][4];
+    uint16_t places[3][2] = {{0}};
     for (size_t k = 0; k < 3; ++k) {
-      const scree_vertex* v = &vertices[indices[3 * triangle + k]];
+      const uint32_t index = indices[3 * triangle + k];
+      const scree_vertex* v = &vertices[index];
       memcpy(positions[k], v->position, sizeof positions[k]);
       occlusion[k] = v->occlusion;
-      const uint8_t bytes[4] = {v->material, v->durability, (uint8_t)(v->curvature + 128), 0};
+      const uint8_t bytes[4] = {v->material, v->durability, (uint8_t)(v->curvature + 128), groups != NULL ? groups[index] : 0};
       memcpy(surface[k], bytes, sizeof bytes);
+      if (uvs == NULL) continue;
+      places[k][0] = uvs[index].u;
+      places[k][1] = uvs[index].v;
     }
-    const vertex_keys keys = {(const char*)positions, sizeof *positions, occlusion, 1, (const uint8_t(*)[4])surface};
+    const vertex_keys keys = {(const char*)positions,       sizeof *positions,           occlusion, 1,
+                              (const uint8_t(*)[4])surface, (const uint16_t(*)[2])places};
     total[0] += triangle_digest(&keys, (const uint32_t[3]){0, 1, 2});
   }
   return XXH3_64bits(total, sizeof total);
+}
+
+uint64_t scree_model_mesh_digest(const scree_vertex* vertices, size_t vertex_count, const uint32_t* indices,
+                                 size_t triangle_count) {
+  return surface_digest(vertices, NULL, NULL, vertex_count, indices, triangle_count);
+}
+
+uint64_t scree_cliff_mesh_digest(const scree_vertex* vertices, const scree_uv* uvs, const uint8_t* groups, size_t vertex_count,
+                                 const uint32_t* indices, size_t triangle_count) {
+  return surface_digest(vertices, uvs, groups, vertex_count, indices, triangle_count);
 }

@@ -4,7 +4,8 @@
  *
  *   key(vertex)      = x | y << 16 | z << 32 | occlusion << 48       (x, y, z as 16-bit patterns)
  *   digest(triangle) = XXH3-64 of its three keys as 24 little-endian bytes, in the rotation that is least in lexical order
- *                      for models 48 bytes: each key is followed by material | durability << 8 | curvature << 16
+ *                      for models 48 bytes: each key is followed by material | durability << 8 | curvature << 16, which for
+ *                      cliffs has group << 24 | u << 32 | v << 48 added
  *   digest(mesh)     = XXH3-64 of (sum of the triangles' digests mod 2^64, number of triangles) as 16 little-endian bytes */
 #ifndef SCREE_MESH_DIGEST_H
 #define SCREE_MESH_DIGEST_H
@@ -18,8 +19,8 @@ uint64_t scree_rt_mesh_digest(const void* positions, size_t position_stride, con
                               const uint32_t* indices, size_t triangle_count);
 
 /* The same of a model. surface: of vertex i, the 4 bytes at surface[i] as blobs have them: material, durability, curvature + 128,
- * 0. */
+ * group. uvs: NULL but for cliffs. */
 uint64_t scree_rt_model_digest(const void* positions, size_t position_stride, const uint8_t* occlusion, const uint8_t (*surface)[4],
-                               const uint32_t* indices, size_t triangle_count);
+                               const uint16_t (*uvs)[2], const uint32_t* indices, size_t triangle_count);
 
 #endif

@@ -10,7 +10,7 @@
  * the end of the file: then no two overlap and no byte belongs to none. */
 static scree_result read_section_table(scree_pack* pack) {
   const pack_header* header = pack->header;
-  if (header->kind > SCREE_PACK_MODELS || header->reserved != 0) return SCREE_ERROR_CORRUPT;
+  if (header->kind > SCREE_PACK_CLIFF || header->reserved != 0) return SCREE_ERROR_CORRUPT;
   const uint32_t kinds = scree_rt_pack_kinds(header);
   if (header->section_count < kinds || header->section_count > PACK_MAX_SECTIONS) return SCREE_ERROR_CORRUPT;
   const size_t table_size = header->section_count * sizeof(pack_section);
@@ -52,7 +52,8 @@ static uint64_t section_elements(const scree_pack* pack, uint32_t kind) {
 static scree_result read_views(scree_pack* pack) {
   const pack_header* header = pack->header;
   const uint32_t n = header->cells_per_cube;
-  const bool models = header->kind == SCREE_PACK_MODELS;
+  const bool models = header->kind != SCREE_PACK_TILES;
+  pack->kind = (scree_pack_kind)header->kind;
   if (models ? n != 0 || header->proxy_per_cell != 0 : n < 1 || n > PACK_MAX_CELLS_PER_CUBE) return SCREE_ERROR_CORRUPT;
   pack->reach = models ? PACK_MAX_MODEL_REACH : PACK_MAX_TILE_REACH;
   if (header->lattice_per_cell < 1 || header->lattice_per_cell > PACK_MAX_LATTICE_PER_CELL) return SCREE_ERROR_CORRUPT;
@@ -92,6 +93,10 @@ static scree_result read_views(scree_pack* pack) {
     pack->parts = section_bytes(pack, PACK_PARTS);
     pack->models = section_bytes(pack, PACK_MODELS);
     pack->part_count = section_elements(pack, PACK_PARTS) - 1;
+  }
+  if (pack->kind == SCREE_PACK_CLIFF) {
+    const scree_result result = scree_rt_pack_read_cliff(pack);
+    if (result != SCREE_OK) return result;
   }
   const uint64_t levels = (assets + pack->proxy_count) * header->lod_count;
   if (section_elements(pack, PACK_LODS) != levels || section_elements(pack, PACK_BLOB_INDEX) != levels) return SCREE_ERROR_CORRUPT;
@@ -157,11 +162,13 @@ void scree_pack_close(scree_pack* pack) {
 void scree_pack_get_info(const scree_pack* pack, scree_pack_info* out) {
   *out = (scree_pack_info){
       .format_version = pack->header->format_version,
-      .kind = (scree_pack_kind)pack->header->kind,
+      .kind = pack->kind,
       .cells_per_cube = pack->header->cells_per_cube,
       .lattice_per_cell = pack->header->lattice_per_cell,
       .cell_count = pack->cell_count,
       .variant_count = pack->models != NULL ? pack->cell_count : 0,
+      .time_count = pack->time_count,
+      .placement_count = pack->placement_count,
       .asset_count = pack->asset_count,
       .lod_count = pack->header->lod_count,
       .proxy_count = pack->proxy_count,
@@ -173,11 +180,15 @@ void scree_pack_get_info(const scree_pack* pack, scree_pack_info* out) {
       .recipe_size = (size_t)section_elements(pack, PACK_RECIPE) - 1,
       .file_size = pack->size,
   };
+  if (pack->uvs == NULL) return;
+  memcpy(out->uv_min, pack->uvs->min, sizeof out->uv_min);
+  memcpy(out->uv_max, pack->uvs->max, sizeof out->uv_max);
 }
 
 scree_result scree_pack_get_section(const scree_pack* pack, uint32_t index, scree_pack_section* out) {
-  static const char* const names[SCREE_PACK_SECTIONS] = {"recipe", "tiles",      "cells", "assets", "lods",  "contacts",
-                                                         "hulls",  "blob_index", "blobs", "parts",  "models"};
+  static const char* const names[SCREE_PACK_SECTIONS] = {"recipe",   "tiles",      "cells",      "assets", "lods",
+                                                         "contacts", "hulls",      "blob_index", "blobs",  "parts",
+                                                         "models",   "placements", "times",      "uvs"};
   if (pack == NULL || out == NULL || index >= scree_rt_pack_kinds(pack->header)) return SCREE_ERROR_INVALID_ARGUMENT;
   const pack_section* section = pack->sections[index];
   *out = (scree_pack_section){names[index], section->size, section->size / section->element_size, section->digest};
@@ -262,7 +273,7 @@ scree_result scree_rt_pack_coarse_mesh(const scree_pack* pack, uint32_t asset, s
   if (vertex_capacity < level.vertices || index_capacity / 3 < level.triangles) return SCREE_ERROR_CAPACITY;
   if (vertices == NULL || indices == NULL) return SCREE_ERROR_INVALID_ARGUMENT;
   plain_mesh mesh;
-  if (!scree_rt_plain_mesh_read(level.blob, level.blob_size, level.vertices, level.triangles, pack->models != NULL, &mesh))
+  if (!scree_rt_plain_mesh_read(level.blob, level.blob_size, level.vertices, level.triangles, pack->kind, &mesh))
     return SCREE_ERROR_CORRUPT;
   scree_rt_plain_mesh_decode(&mesh, vertices, indices, index_size);
   return SCREE_OK;
@@ -342,6 +353,9 @@ scree_result scree_pack_cell_assets(const scree_pack* pack, uint32_t cell, uint3
   if (pack == NULL || first == NULL || count == NULL || cell >= pack->cell_count) return SCREE_ERROR_INVALID_ARGUMENT;
   const uint32_t begin = pack->cells[cell], end = pack->cells[cell + 1];
   if (begin > end || end > pack->asset_count || end - begin > pack->header->max_rocks_per_cell) return SCREE_ERROR_CORRUPT;
+  /* Of a cliff the times come first, then one age of every block. */
+  if (pack->times != NULL && (begin != (cell == 0 ? 0 : pack->time_count + cell - 1) || end != pack->time_count + cell))
+    return SCREE_ERROR_CORRUPT;
   *first = begin;
   *count = end - begin;
   return SCREE_OK;

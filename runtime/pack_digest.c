@@ -6,7 +6,9 @@
 #include <xxhash.h>
 
 uint32_t scree_rt_pack_kinds(const pack_header* header) {
-  return header->kind == SCREE_PACK_MODELS ? PACK_SECTION_KINDS : PACK_TILE_KINDS;
+  return header->kind == SCREE_PACK_CLIFF    ? PACK_SECTION_KINDS
+         : header->kind == SCREE_PACK_MODELS ? PACK_MODEL_KINDS
+                                             : PACK_TILE_KINDS;
 }
 
 uint32_t scree_rt_pack_element_size(uint32_t kind, bool narrow) {
@@ -22,6 +24,9 @@ uint32_t scree_rt_pack_element_size(uint32_t kind, bool narrow) {
     case PACK_BLOBS: return 1;
     case PACK_PARTS: return 4;
     case PACK_MODELS: return sizeof(pack_model);
+    case PACK_PLACEMENTS: return sizeof(pack_placement);
+    case PACK_TIMES: return sizeof(pack_time);
+    case PACK_UVS: return sizeof(pack_uvs);
     default: return 0;
   }
 }

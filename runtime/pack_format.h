@@ -1,4 +1,4 @@
-/* The layout of a pack, format version 3. docs/pack_format.md says the same in words; the two change together.
+/* The layout of a pack, format version 4. docs/pack_format.md says the same in words; the two change together.
  *
  *   0            64                    aligned to 64        aligned to 64
  *   | pack_header | pack_section [n]   | section 0 | 0..0 | section 1 | 0..0 | ... | section n-1 |
@@ -15,7 +15,7 @@
 #error "packs are used in place and are little-endian; a big-endian reader would have to convert every section on opening"
 #endif
 
-#define PACK_FORMAT_VERSION 3u
+#define PACK_FORMAT_VERSION 4u
 #define PACK_ALIGNMENT 64u
 
 /* In the manner of PNG: a byte with its top bit set catches seven-bit transfers, CR LF and LF catch changed line ends, ^Z stops
@@ -25,27 +25,32 @@
 
 /* Kinds are never renumbered. A reader skips kinds it does not know. */
 enum {
-  PACK_RECIPE = 1,     /* JSON text and one NUL */
-  PACK_TILES = 2,      /* u32 unique cell [256][N][N][N], x fastest; empty in packs of models */
-  PACK_CELLS = 3,      /* u32 first asset [cells + 1]; cells are unique cells, or variants of models */
-  PACK_ASSETS = 4,     /* pack_asset [assets], by (cell, seed) */
-  PACK_LODS = 5,       /* pack_lod [assets + proxies][lods] */
-  PACK_CONTACTS = 6,   /* pack_contact or pack_narrow_contact */
-  PACK_HULLS = 7,      /* i16 [3] or i8 [3], lattice steps: of all assets, and behind them of all parts of models */
-  PACK_BLOB_INDEX = 8, /* pack_blob [assets + proxies][lods] */
-  PACK_BLOBS = 9,      /* Draco bytes, or at the coarsest level a plain mesh, each blob 4-byte aligned */
-  PACK_PARTS = 10,     /* u32 first hull vertex [parts + 1]; packs of models only, as the next */
-  PACK_MODELS = 11,    /* pack_model [assets] */
-  PACK_SECTION_KINDS = 11,
+  PACK_RECIPE = 1,      /* JSON text and one NUL */
+  PACK_TILES = 2,       /* u32 unique cell [256][N][N][N], x fastest; empty in packs of models */
+  PACK_CELLS = 3,       /* u32 first asset [cells + 1]; cells are unique cells, or variants of models */
+  PACK_ASSETS = 4,      /* pack_asset [assets], by (cell, seed) */
+  PACK_LODS = 5,        /* pack_lod [assets + proxies][lods] */
+  PACK_CONTACTS = 6,    /* pack_contact or pack_narrow_contact */
+  PACK_HULLS = 7,       /* i16 [3] or i8 [3], lattice steps: of all assets, and behind them of all parts of models */
+  PACK_BLOB_INDEX = 8,  /* pack_blob [assets + proxies][lods] */
+  PACK_BLOBS = 9,       /* Draco bytes, or at the coarsest level a plain mesh, each blob 4-byte aligned */
+  PACK_PARTS = 10,      /* u32 first hull vertex [parts + 1]; packs of models and cliffs only, as the next */
+  PACK_MODELS = 11,     /* pack_model [assets] */
+  PACK_PLACEMENTS = 12, /* pack_placement, those of one time behind those of the time before; cliffs only, as the next */
+  PACK_TIMES = 13,      /* pack_time [ages of variant 0] */
+  PACK_UVS = 14,        /* pack_uvs, one */
+  PACK_SECTION_KINDS = 14,
   PACK_TILE_KINDS = 9,     /* packs of tiles have kinds 1..9 */
-  PACK_CANONICAL_KINDS = 7 /* kinds 1..7 do not depend on the encoder, nor do 10 and 11 */
+  PACK_MODEL_KINDS = 11,   /* packs of models have kinds 1..11 */
+  PACK_CANONICAL_KINDS = 7 /* kinds 1..7 do not depend on the encoder, nor do 10 and above */
 };
 
 enum {
   PACK_MAX_SECTIONS = 64,
   PACK_MAX_CELLS_PER_CUBE = 16,
   PACK_MAX_TILE_REACH = 16,         /* radii, errors and centroids of rocks and proxies, cells */
-  PACK_MAX_MODEL_REACH = 4096,      /* the same of models, metres */
+  PACK_MAX_MODEL_REACH = 4096,      /* the same of models, and coordinates of placements, metres */
+  PACK_MAX_UV = 65536,              /* coordinates of the range of UVs */
   PACK_MAX_LATTICE_PER_CELL = 4096, /* so that a rock, which stays within 1.5 cells of its centre, fits int16 */
   PACK_MAX_LODS = 8,
   PACK_PROXY_PARTS = 9,                  /* of a tile: the whole, and the halves of its axes */
@@ -138,6 +143,22 @@ typedef struct pack_model {
   uint32_t part_count;
 } pack_model;
 
+/* Where a block lies. */
+typedef struct pack_placement {
+  uint32_t asset;
+  float translation[3]; /* metres */
+} pack_placement;
+
+typedef struct pack_time {
+  uint32_t first_placement, placement_count;
+  float bounds_min[3], bounds_max[3]; /* of the balls of the blocks, metres; 0 where there is none */
+} pack_time;
+
+/* What the values 0 and 65535 of all UVs stand for. */
+typedef struct pack_uvs {
+  float min[2], max[2];
+} pack_uvs;
+
 #define PACK_STATIC_ASSERT(name, condition) typedef char pack_assert_##name[(condition) ? 1 : -1]
 PACK_STATIC_ASSERT(header, sizeof(pack_header) == 64);
 PACK_STATIC_ASSERT(section, sizeof(pack_section) == 32);
@@ -147,6 +168,9 @@ PACK_STATIC_ASSERT(contact, sizeof(pack_contact) == 8);
 PACK_STATIC_ASSERT(narrow_contact, sizeof(pack_narrow_contact) == 5);
 PACK_STATIC_ASSERT(blob, sizeof(pack_blob) == 12);
 PACK_STATIC_ASSERT(model, sizeof(pack_model) == 24);
+PACK_STATIC_ASSERT(placement, sizeof(pack_placement) == 16);
+PACK_STATIC_ASSERT(time, sizeof(pack_time) == 32);
+PACK_STATIC_ASSERT(uvs, sizeof(pack_uvs) == 16);
 
 /* How many kinds a pack has: those from 1 up to this. */
 uint32_t scree_rt_pack_kinds(const pack_header* header);
@@ -160,8 +184,13 @@ uint64_t scree_rt_pack_bytes_digest(const void* bytes, size_t size);
 /* What header_check must be. */
 uint32_t scree_rt_pack_header_check(const pack_header* header);
 
+/* Where a placement stands in the order of its time: the Morton code of its translation on a grid of 1/128 m from -4096 m on, x in
+ * bit 0. translation: each coordinate within -4096..4096. */
+uint64_t scree_rt_pack_place_code(const float translation[3]);
+
 /* What pack_digest must be: XXH3-64 of the five numbers at bytes 40..59 of the header followed by the digests of the sections of
- * kinds 1..7 in that order, and of kinds 10 and 11 in packs of models. sections[kind - 1] is the entry of each kind. */
+ * kinds 1..7 in that order, and of kinds 10 and above that packs of this kind have. sections[kind - 1] is the entry of each kind.
+ */
 uint64_t scree_rt_pack_digest(const pack_header* header, const pack_section* sections[PACK_SECTION_KINDS]);
 
 #endif

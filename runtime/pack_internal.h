@@ -16,7 +16,7 @@ struct scree_pack {
   size_t size;
   const pack_header* header;                        /* first_bytes */
   pack_header first_bytes;                          /* a copy: what bounds the arrays holds even if the bytes change */
-  const pack_section* sections[PACK_SECTION_KINDS]; /* by kind - 1; NULL for those that only models have */
+  const pack_section* sections[PACK_SECTION_KINDS]; /* by kind - 1; NULL for those that packs of its kind lack */
 
   const char* recipe;
   const uint32_t* tiles;
@@ -27,8 +27,11 @@ struct scree_pack {
   const uint8_t* hulls;
   const pack_blob* blob_index;
   const uint8_t* blobs;
-  const uint32_t* parts;    /* packs of models */
-  const pack_model* models; /* packs of models */
+  const uint32_t* parts;            /* packs of models and cliffs */
+  const pack_model* models;         /* packs of models and cliffs */
+  const pack_placement* placements; /* cliffs, as the next two */
+  const pack_time* times;
+  const pack_uvs* uvs;
 
   uint32_t cell_count;
   uint32_t asset_count;
@@ -36,8 +39,10 @@ struct scree_pack {
   uint64_t contact_count;
   uint64_t hull_count; /* vertices */
   uint64_t part_count;
+  uint32_t placement_count, time_count;
   uint64_t blob_bytes;
   bool narrow_contacts, narrow_hulls;
+  scree_pack_kind kind;
   float reach; /* what no radius, error or coordinate of a centroid passes, cells */
 };
 
@@ -51,6 +56,12 @@ pack_contact scree_rt_pack_read_contact(const scree_pack* pack, uint64_t index);
 /* scree_pack_coarse_mesh with indices of 2 or 4 bytes. */
 scree_result scree_rt_pack_coarse_mesh(const scree_pack* pack, uint32_t asset, scree_vertex* vertices, size_t vertex_capacity,
                                        void* indices, uint32_t index_size, size_t index_capacity);
+
+/* Checks the numbers of a cliff that bound others, as scree_pack_open_memory does of the other sections. */
+scree_result scree_rt_pack_read_cliff(scree_pack* pack);
+
+/* Checks times and placements, for scree_pack_verify. */
+scree_result scree_rt_pack_verify_cliff(const scree_pack* pack);
 
 #ifdef __cplusplus
 }

@@ -49,8 +49,7 @@ static scree_result verify_levels(const scree_pack* pack, uint32_t asset) {
     if (result != SCREE_OK) return result;
   }
   plain_mesh mesh;
-  const bool good =
-      scree_rt_plain_mesh_read(level.blob, level.blob_size, level.vertices, level.triangles, pack->models != NULL, &mesh);
+  const bool good = scree_rt_plain_mesh_read(level.blob, level.blob_size, level.vertices, level.triangles, pack->kind, &mesh);
   return good ? SCREE_OK : SCREE_ERROR_CORRUPT;
 }
 
@@ -83,5 +82,6 @@ scree_result scree_pack_verify(const scree_pack* pack) {
   for (uint32_t asset = 0; asset < pack->asset_count && result == SCREE_OK; ++asset) result = verify_asset(pack, asset);
   for (uint32_t mesh = 0; mesh < pack->asset_count + pack->proxy_count && result == SCREE_OK; ++mesh)
     result = verify_levels(pack, mesh);
+  if (result == SCREE_OK && pack->times != NULL) result = scree_rt_pack_verify_cliff(pack);
   return result;
 }

@@ -13,8 +13,8 @@ static uint32_t number_at(const uint8_t* numbers, uint32_t size, size_t index) {
   return wide;
 }
 
-bool scree_rt_plain_mesh_read(const uint8_t* blob, size_t blob_size, uint32_t vertex_count, uint32_t triangle_count, bool model,
-                              plain_mesh* out) {
+bool scree_rt_plain_mesh_read(const uint8_t* blob, size_t blob_size, uint32_t vertex_count, uint32_t triangle_count,
+                              scree_pack_kind kind, plain_mesh* out) {
   if (blob_size < PLAIN_MESH_HEAD || vertex_count > PLAIN_MESH_MAX_VERTICES) return false;
   memcpy(out->base, blob, sizeof out->base);
   out->position_size = blob[6];
@@ -24,17 +24,20 @@ bool scree_rt_plain_mesh_read(const uint8_t* blob, size_t blob_size, uint32_t ve
   out->triangle_count = triangle_count;
   const uint64_t position_bytes = (uint64_t)vertex_count * 3 * out->position_size;
   const uint64_t index_bytes = (uint64_t)triangle_count * 3 * out->index_size;
+  const bool model = kind != SCREE_PACK_TILES, cliff = kind == SCREE_PACK_CLIFF;
   const uint64_t surface_bytes = model ? (uint64_t)vertex_count * sizeof *out->surface : 0;
-  if (blob_size != PLAIN_MESH_HEAD + position_bytes + vertex_count + surface_bytes + index_bytes) return false;
+  const uint64_t uv_bytes = cliff ? (uint64_t)vertex_count * sizeof(scree_uv) : 0;
+  if (blob_size != PLAIN_MESH_HEAD + position_bytes + vertex_count + surface_bytes + uv_bytes + index_bytes) return false;
   out->positions = blob + PLAIN_MESH_HEAD;
   out->occlusion = out->positions + position_bytes;
   out->surface = model ? (const uint8_t(*)[4])(out->occlusion + vertex_count) : NULL;
-  out->indices = out->occlusion + vertex_count + surface_bytes;
+  out->uvs = cliff ? out->occlusion + vertex_count + surface_bytes : NULL;
+  out->indices = out->occlusion + vertex_count + surface_bytes + uv_bytes;
 
   for (size_t i = 0; i < (size_t)vertex_count * 3; ++i)
     if (out->base[i % 3] + (int32_t)number_at(out->positions, out->position_size, i) > INT16_MAX) return false;
   for (size_t i = 0; i < vertex_count && model; ++i)
-    if (!scree_rt_surface_is_sound(out->surface[i])) return false;
+    if (!scree_rt_surface_is_sound(out->surface[i], cliff)) return false;
   for (size_t i = 0; i < (size_t)triangle_count * 3; ++i)
     if (number_at(out->indices, out->index_size, i) >= vertex_count) return false;
   return true;

@@ -5,7 +5,8 @@
  *   | i16[3] | u8             | u8         | u8 or u16 [vertices][3] | u8 [vertices] | u8 or u16 [triangles][3] |
  *     base     position bytes   index bytes  position - base           occlusion       corners
  *
- * Models have u8 [vertices][4], see mesh_digest.h, between occlusion and corners. */
+ * Models have u8 [vertices][4], see mesh_digest.h, between occlusion and corners; cliffs have u16 [vertices][2], the UVs, behind
+ * these. */
 #ifndef SCREE_PLAIN_MESH_H
 #define SCREE_PLAIN_MESH_H
 
@@ -20,12 +21,13 @@ typedef struct plain_mesh {
   uint32_t vertex_count, triangle_count;
   const uint8_t *positions, *occlusion, *indices;
   const uint8_t (*surface)[4]; /* NULL for rocks */
+  const uint8_t* uvs;          /* of cliffs, else NULL: two u16 a vertex, which may lie anywhere */
 } plain_mesh;
 
 /* Returns false where the bytes are not a plain mesh of just these numbers of vertices and triangles: another size, a position
- * beyond int16, an index out of range. model: it is one of a pack of models. */
-bool scree_rt_plain_mesh_read(const uint8_t* blob, size_t blob_size, uint32_t vertex_count, uint32_t triangle_count, bool model,
-                              plain_mesh* out);
+ * beyond int16, an index out of range. kind: of the pack that it is from. */
+bool scree_rt_plain_mesh_read(const uint8_t* blob, size_t blob_size, uint32_t vertex_count, uint32_t triangle_count,
+                              scree_pack_kind kind, plain_mesh* out);
 
 /* One coordinate of a vertex. */
 int32_t scree_rt_plain_mesh_coordinate(const plain_mesh* mesh, uint32_t vertex, uint32_t axis);

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """scree-info as a program: its output against the second reader, its exit status and messages for bad input, and its .glb.
 
-usage: check_info.py SCREE-INFO SCREE-BAKE RECIPE WORK-FOLDER
+usage: check_info.py SCREE-INFO SCREE-BAKE RECIPE WORK-FOLDER WRITE-PACK
 
 Leaves WORK-FOLDER/info.glb for the glTF validator. Prints what does not hold and exits with 1."""
 
@@ -12,7 +12,7 @@ import struct
 import subprocess
 import sys
 
-INFO, BAKE, RECIPE, WORK = sys.argv[1:5]
+INFO, BAKE, RECIPE, WORK, WRITE_PACK = sys.argv[1:6]
 READER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "pack_reader.py")
 faults = []
 
@@ -68,6 +68,23 @@ expect(reader.returncode == 0, f"the second reader of models: {reader.stdout}")
 result = info(models, "--glb", os.path.join(WORK, "models.glb"), "--assets", "0-3", "--lod", "1")
 expect(result.returncode == 0, f"--glb of models: {result.stderr!r}")
 os.remove(os.path.join(WORK, "models.glb"))
+
+# A cliff, too.
+cliff = os.path.join(WORK, "cliff.scree")
+subprocess.run([WRITE_PACK, cliff, "cliff"], check=True)
+result = info(cliff)
+expect(result.returncode == 0 and result.stderr == "", f"a cliff: {result.returncode} {result.stderr!r}")
+expect("a cliff at 2 times, 3 blocks that fell, 20 placements" in result.stdout, "a cliff: times, blocks and placements are not shown")
+expect("3 blocks of" in result.stdout and "UVs of -1 .. 1, 0 .. 2" in result.stdout, "a cliff: sizes and UVs are not shown")
+expect("all digests are right" in result.stdout, "a cliff: the digests are not said to be right")
+reader = subprocess.run(["/usr/bin/python3", READER, cliff, "--info", INFO], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+expect(reader.returncode == 0, f"the second reader of a cliff: {reader.stdout}")
+with open(cliff, "rb") as file:
+    bytes_of_cliff = file.read()
+for place in (20, len(bytes_of_cliff) - 5, len(bytes_of_cliff) // 2):
+    name = f"cliff-{place}.scree"
+    expect_refused(f"byte {place} of a cliff changed", name,
+                   write(name, bytes_of_cliff[:place] + bytes([bytes_of_cliff[place] ^ 4]) + bytes_of_cliff[place + 1 :]))
 
 # Bad packs. The blobs are the last section, so the end of the file is in a mesh.
 expect_refused("a missing file", "nowhere.scree", os.path.join(WORK, "nowhere.scree"))

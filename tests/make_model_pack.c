@@ -6,6 +6,7 @@
 
 #include "allocator.h"
 #include "draco_encode.h"
+#include "lattice.h"
 #include "pack_writer.h"
 #include "plain_encode.h"
 #include "synthetic_rock.h"
@@ -13,6 +14,8 @@
 #define TEST_RECIPE "{\"name\": \"test\", \"kind\": \"hoodoo\", \"note\": \"not baked\"}"
 
 enum { STEPS_BELOW = 3, AXES = 14, PARTS = 2 };
+
+static const uv_range test_uvs = {{-1, 0}, {1, 2}};
 
 static void* checked(void* memory) {
   if (memory == NULL) abort();
@@ -55,8 +58,49 @@ static void stand_up(lattice_mesh* mesh, int up) {
   }
 }
 
+/* Smoothing groups by octant, and UVs that differ along x and z. */
+static void add_uvs(lattice_mesh* mesh) {
+  mesh->uvs = checked(malloc(mesh->vertex_count * sizeof *mesh->uvs));
+  mesh->uv_bounds = test_uvs;
+  for (uint32_t v = 0; v < mesh->vertex_count; ++v) {
+    const int16_t* p = mesh->positions[v];
+    mesh->surface[v][3] = (uint8_t)((p[0] > 0) | (p[1] > 20) << 1 | (p[2] > 0) << 2);
+    mesh->uvs[v][0] = (float)p[0] / 40;
+    mesh->uvs[v][1] = 1 + (float)p[2] / 40;
+  }
+}
+
+/* A cube of cut faces, each with its own four vertices, group and UVs. */
+static void make_cube(int half, lattice_mesh* mesh) {
+  *mesh = (lattice_mesh){.positions = checked(malloc(24 * sizeof *mesh->positions)),
+                         .occlusion = checked(malloc(24)),
+                         .indices = checked(malloc(36 * sizeof *mesh->indices)),
+                         .surface = checked(malloc(24 * sizeof *mesh->surface)),
+                         .uvs = checked(malloc(24 * sizeof *mesh->uvs)),
+                         .uv_bounds = test_uvs,
+                         .vertex_count = 24,
+                         .triangle_count = 12};
+  for (uint32_t face = 0; face < 6; ++face) {
+    const uint32_t axis = face / 2, u = (axis + 1) % 3, v = (axis + 2) % 3, first = 4 * face;
+    for (uint32_t k = 0; k < 4; ++k) {
+      const int s = k == 1 || k == 2 ? 1 : -1, t = k >= 2 ? 1 : -1, side = face % 2 != 0 ? 1 : -1;
+      mesh->positions[first + k][axis] = (int16_t)(side * half);
+      mesh->positions[first + k][u] = (int16_t)(s * side * half);
+      mesh->positions[first + k][v] = (int16_t)(t * half);
+      mesh->occlusion[first + k] = (uint8_t)(17 * (face + k));
+      const uint8_t bytes[4] = {2, 64, 200, (uint8_t)(face + 1)};
+      memcpy(mesh->surface[first + k], bytes, sizeof bytes);
+      mesh->uvs[first + k][0] = (float)(s * half) / 16;
+      mesh->uvs[first + k][1] = 1 + (float)(t * half) / 16;
+    }
+    const uint32_t corners[6] = {0, 1, 2, 0, 2, 3};
+    for (uint32_t k = 0; k < 6; ++k) mesh->indices[6 * face + k] = first + corners[k];
+  }
+}
+
 static void free_mesh(lattice_mesh* mesh) {
   free(mesh->surface);
+  free(mesh->uvs);
   synthetic_rock_free(mesh);
 }
 
@@ -124,9 +168,14 @@ static void fill_model(uint32_t variant, uint32_t age, const test_models_desc* d
   int up = 0;
   for (uint32_t lod = 0; lod < desc->lod_count; ++lod) {
     lattice_mesh mesh;
-    make_mesh(variant + 1, age, lod + 1, &mesh);
-    if (lod == 0) up = -lowest_point(&mesh) - STEPS_BELOW;
-    stand_up(&mesh, up);
+    if (desc->cliff && variant > 0) {
+      make_cube((int)(6 + variant), &mesh);
+    } else {
+      make_mesh(variant + 1, age, lod + 1, &mesh);
+      if (lod == 0) up = -lowest_point(&mesh) - STEPS_BELOW;
+      stand_up(&mesh, up);
+      if (desc->cliff) add_uvs(&mesh);
+    }
     if (lod == 0) {
       fill_sizes(&mesh, (float)desc->lattice_per_cell, rock, model);
       fill_hulls(&mesh, rock, model);
@@ -142,11 +191,30 @@ static void fill_model(uint32_t variant, uint32_t age, const test_models_desc* d
   model->steps = 10 * age;
 }
 
+/* Blocks strewn about the cliff. */
+static cliff_record* make_cliff(const test_models_desc* desc, uint32_t assets) {
+  const uint32_t count = TEST_PLACEMENTS * (desc->ages * (desc->ages - 1) / 2) * (assets > desc->ages);
+  uint32_t* first = checked(malloc((desc->ages + 1) * sizeof *first));
+  scree_block_placement* placements = checked(malloc((count + 1) * sizeof *placements));
+  first[0] = 0;
+  for (uint32_t t = 0; t < desc->ages; ++t) first[t + 1] = first[t] + (count > 0 ? TEST_PLACEMENTS * t : 0);
+  uint64_t random = 5;
+  for (uint32_t i = 0; i < count; ++i) {
+    random = hash_mix(random + 1);
+    placements[i].asset = desc->ages + (uint32_t)(random >> 8) % (assets - desc->ages);
+    for (int axis = 0; axis < 3; ++axis) placements[i].translation[axis] = (float)(int)((random >> (16 * axis)) % 4096) / 128 - 16;
+  }
+  cliff_record* cliff = checked(malloc(sizeof *cliff));
+  *cliff = (cliff_record){.time_count = desc->ages, .placement_first = first, .placements = placements, .uvs = test_uvs};
+  return cliff;
+}
+
 rock_set* test_model_set_make(const test_models_desc* given) {
   const test_models_desc desc = with_defaults(given);
   uint32_t* first = checked(malloc((desc.variants + 1) * sizeof *first));
   first[0] = 0;
-  for (uint32_t v = 0; v < desc.variants; ++v) first[v + 1] = first[v] + 1 + (v + desc.ages - 1) % desc.ages;
+  for (uint32_t v = 0; v < desc.variants; ++v)
+    first[v + 1] = first[v] + 1 + (desc.cliff && v > 0 ? 0 : (v + desc.ages - 1) % desc.ages);
   const uint32_t count = first[desc.variants];
   rock_record* rocks = checked(calloc(count, sizeof *rocks));
   model_record* models = checked(calloc(count, sizeof *models));
@@ -161,6 +229,7 @@ rock_set* test_model_set_make(const test_models_desc* given) {
       .cell_first = first,
       .rocks = rocks,
       .models = models,
+      .cliff = desc.cliff ? make_cliff(&desc, count) : NULL,
       .recipe = TEST_RECIPE,
   };
   return set;
@@ -176,6 +245,11 @@ void test_model_set_free(rock_set* set) {
     free(set->models[i].parts);
     free(set->models[i].part_first);
   }
+  if (set->cliff != NULL) {
+    free((void*)set->cliff->placement_first);
+    free((void*)set->cliff->placements);
+  }
+  free((void*)set->cliff);
   free((void*)set->models);
   free((void*)set->rocks);
   free((void*)set->cell_first);

@@ -19,13 +19,14 @@ except ImportError:
     sys.exit(77)
 
 MAGIC = bytes([0x89, 0x53, 0x43, 0x52, 0x0D, 0x0A, 0x1A, 0x0A])
-RECIPE, TILES, CELLS, ASSETS, LODS, CONTACTS, HULLS, BLOB_INDEX, BLOBS, PARTS, MODELS = range(1, 12)
+RECIPE, TILES, CELLS, ASSETS, LODS, CONTACTS, HULLS, BLOB_INDEX, BLOBS, PARTS, MODELS, PLACEMENTS, TIMES, UVS = range(1, 15)
 ELEMENT_SIZES = {
     RECIPE: [1], TILES: [4], CELLS: [4], ASSETS: [52], LODS: [16], CONTACTS: [8, 5], HULLS: [6, 3], BLOB_INDEX: [12], BLOBS: [1],
-    PARTS: [4], MODELS: [24]
+    PARTS: [4], MODELS: [24], PLACEMENTS: [16], TIMES: [32], UVS: [16]
 }
 MAX_BURIAL = 7  # never hidden
-NAMES = ["recipe", "tiles", "cells", "assets", "lods", "contacts", "hulls", "blob_index", "blobs", "parts", "models"]
+NAMES = ["recipe", "tiles", "cells", "assets", "lods", "contacts", "hulls", "blob_index", "blobs", "parts", "models", "placements",
+         "times", "uvs"]
 
 
 class Corrupt(Exception):
@@ -41,16 +42,24 @@ def xxh3(data):
     return xxhash.xxh3_64_intdigest(data)
 
 
-def mesh_digest(positions, occlusion, triangles, surface=None):
+def mesh_digest(positions, occlusion, triangles, surface=None, uvs=None):
     keys = [(x & 0xFFFF | (y & 0xFFFF) << 16 | (z & 0xFFFF) << 32 | o << 48,) for (x, y, z), o in zip(positions, occlusion)]
     if surface is not None:
-        keys = [key + (m | d << 8 | ((c - 128) & 0xFF) << 16,) for key, (m, d, c, _) in zip(keys, surface)]
+        more = [m | d << 8 | ((c - 128) & 0xFF) << 16 for m, d, c, _ in surface]
+        if uvs is not None:
+            more = [key | group << 24 | u << 32 | v << 48 for key, (_, _, _, group), (u, v) in zip(more, surface, uvs)]
+        keys = [key + (word,) for key, word in zip(keys, more)]
     total = 0
     for a, b, c in triangles:
         a, b, c = keys[a], keys[b], keys[c]
         least = min(a + b + c, b + c + a, c + a + b)
         total += xxh3(struct.pack(f"<{len(least)}Q", *least))
     return xxh3(struct.pack("<QQ", total % 2**64, len(triangles)))
+
+
+def place_code(translation):
+    steps = [math.floor((t + 4096) * 128) for t in translation]
+    return sum((steps[axis] >> bit & 1) << (3 * bit + axis) for bit in range(21) for axis in range(3))
 
 
 class Pack:
@@ -66,16 +75,17 @@ class Pack:
         check(len(data) >= 64, "file is shorter than its header")
         check(data[:8] == MAGIC, "magic")
         self.format_version, self.section_count, self.file_size = struct.unpack_from("<IIQ", data, 8)
-        check(self.format_version == 3, "format version")
+        check(self.format_version == 4, "format version")
         (check_value,) = struct.unpack_from("<I", data, 60)
         check(check_value == xxh3(data[:60]) & 0xFFFFFFFF, "header check")
         check(self.file_size == len(data), "file size")
         self.table_digest, self.digest = struct.unpack_from("<QQ", data, 24)
         self.cells_per_cube, kind, reserved, self.lattice_per_cell, self.proxy_per_cell = struct.unpack_from("<BBHHH", data, 40)
         self.lod_count, self.max_rocks_per_cell, self.max_radius = struct.unpack_from("<IIf", data, 48)
-        check(kind <= 1 and reserved == 0, "kind of the pack")
-        self.models = kind == 1
-        self.kinds = range(1, 12 if self.models else 10)
+        check(kind <= 2 and reserved == 0, "kind of the pack")
+        self.models = kind >= 1
+        self.cliff = kind == 2
+        self.kinds = range(1, (10, 12, 15)[kind])
         check(len(self.kinds) <= self.section_count <= 64, "section count")
         check(self.cells_per_cube == 0 if self.models else 1 <= self.cells_per_cube <= 16, "cells per cube")
         check(1 <= self.lattice_per_cell <= 4096, "lattice per cell")
@@ -134,6 +144,33 @@ class Pack:
         if self.models:
             check(self.elements(CONTACTS) == 0 and self.elements(MODELS) == self.asset_count, "sizes of the sections of models")
             check(self.elements(PARTS) >= 1, "size of the parts")
+        if self.cliff:
+            self.read_cliff()
+
+    def read_cliff(self):
+        times = self.elements(TIMES)
+        check(times >= 1 and self.elements(UVS) == 1, "sizes of the sections of a cliff")
+        check(list(self.first_asset) == [0, *range(times, times + self.cell_count)], "ages of a cliff and its blocks")
+        *range_of_uvs, = struct.unpack("<4f", self.sections[UVS])
+        self.uv_min, self.uv_max = range_of_uvs[:2], range_of_uvs[2:]
+        check(all(-65536 <= low <= high <= 65536 for low, high in zip(self.uv_min, self.uv_max)), "range of the UVs")
+        self.placements = list(struct.iter_unpack("<I3f", self.sections[PLACEMENTS]))
+        for asset, *place in self.placements:
+            check(times <= asset < self.asset_count, "a placement names no block")
+            check(all(abs(t) <= self.reach for t in place), "place of a block")
+        self.times, next_placement = [], 0
+        for first, count, *bounds in struct.iter_unpack("<2I6f", self.sections[TIMES]):
+            low, high = bounds[:3], bounds[3:]
+            check(first == next_placement and first + count <= len(self.placements), "placements of a time")
+            next_placement = first + count
+            check(all(-4 * self.reach <= a <= b <= 4 * self.reach for a, b in zip(low, high)), "bounds of a time")
+            check(count > 0 or bounds == [0] * 6, "bounds of a time without placements")
+            places = [placement[1:] for placement in self.placements[first:next_placement]]
+            check(all(a <= p <= b for place in places for a, p, b in zip(low, place, high)), "a block outside its bounds")
+            codes = [place_code(place) for place in places]
+            check(codes == sorted(codes), "order of placements")
+            self.times.append((first, count, low, high))
+        check(next_placement == len(self.placements), "placements of no time")
 
     def read_assets(self):
         names = "cell first_contact first_hull contact_count burial hull_count seed".split()
@@ -212,20 +249,23 @@ class Pack:
         *base, position_size, index_size = struct.unpack_from("<3hBB", blob)
         check(position_size in (1, 2) and index_size in (1, 2), name + "widths of a plain mesh")
         extra = 4 * vertices if self.models else 0
-        size = 8 + (3 * position_size + 1) * vertices + extra + 3 * index_size * triangles
+        places = 2 * vertices if self.cliff else 0
+        size = 8 + (3 * position_size + 1) * vertices + extra + 2 * places + 3 * index_size * triangles
         check(len(blob) == size, name + "size of a plain mesh")
-        layout = f"<{3 * vertices}{'BH'[position_size - 1]}{vertices}B{extra}B{3 * triangles}{'BH'[index_size - 1]}"
+        layout = f"<{3 * vertices}{'BH'[position_size - 1]}{vertices}B{extra}B{places}H{3 * triangles}{'BH'[index_size - 1]}"
         numbers = struct.unpack_from(layout, blob, 8)
         steps, occlusion = numbers[: 3 * vertices], numbers[3 * vertices : 4 * vertices]
         surface = [numbers[4 * vertices + i : 4 * vertices + i + 4] for i in range(0, extra, 4)] if self.models else None
         for bytes_of in surface or []:
-            check(bytes_of[0] % 16 <= 1 and bytes_of[2] > 0 and bytes_of[3] == 0, name + "surface of a plain mesh")
-        corners = numbers[4 * vertices + extra :]
+            check(bytes_of[0] % 16 <= (2 if self.cliff else 1) and bytes_of[2] > 0, name + "surface of a plain mesh")
+            check(self.cliff or bytes_of[3] == 0, name + "group of a plain mesh")
+        uvs = [numbers[i : i + 2] for i in range(4 * vertices + extra, 4 * vertices + extra + places, 2)] if self.cliff else None
+        corners = numbers[4 * vertices + extra + places :]
         positions = [tuple(b + s for b, s in zip(base, steps[i : i + 3])) for i in range(0, len(steps), 3)]
         check(all(max(p) < 32768 for p in positions), name + "positions of a plain mesh")
         check(max(corners) < vertices, name + "triangles of a plain mesh")
         mesh = [corners[i : i + 3] for i in range(0, len(corners), 3)]
-        check(mesh_digest(positions, occlusion, mesh, surface) == digest, name + "digest of a plain mesh")
+        check(mesh_digest(positions, occlusion, mesh, surface, uvs) == digest, name + "digest of a plain mesh")
 
     def contacts_of(self, asset):
         return self.contacts[asset["first_contact"] : asset["first_contact"] + asset["contact_count"]]
@@ -279,7 +319,17 @@ def compare(pack, info):
     for name in "format_version file_size cells_per_cube lattice_per_cell lod_count max_rocks_per_cell max_radius proxy_per_cell".split():
         same(name, getattr(pack, name), info[name])
     same("digest", f"{pack.digest:016x}", info["digest"])
-    same("kind", "models" if pack.models else "tiles", info["kind"])
+    same("kind", "cliff" if pack.cliff else "models" if pack.models else "tiles", info["kind"])
+    if pack.cliff:
+        same("uv_min", pack.uv_min, info["uv_min"])
+        same("uv_max", pack.uv_max, info["uv_max"])
+        same("placements", len(pack.placements), info["placements"])
+        same("times", len(pack.times), len(info["times"]))
+        for number, ((first, count, low, high), theirs) in enumerate(zip(pack.times, info["times"])):
+            share, paths = pack.model_records[number][2:4]
+            mine = {"asset": number, "paths": paths, "share": share, "first_placement": first, "placements": count,
+                    "bounds_min": low, "bounds_max": high}
+            same(f"times[{number}]", mine, theirs)
     if pack.models:
         same("variants", pack.cell_count, info["variants"])
         same("models", pack.asset_count, len(info["models"]))
@@ -338,6 +388,10 @@ def main():
         surface = [(0, 64, 128, 0), (16, 0, 1, 0), (33, 255, 255, 0), (1, 128, 100, 0)]
         example = mesh_digest(corners, [0, 85, 170, 255], [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)], surface)
         check(example == 0x90D6656EE2BD09DA, "the example of the digest of the mesh of a model")
+        surface = [(0, 64, 128, 0), (16, 0, 1, 1), (33, 255, 255, 255), (2, 128, 100, 7)]
+        uvs = [(0, 0), (65535, 1), (2, 65534), (32768, 100)]
+        example = mesh_digest(corners, [0, 85, 170, 255], [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)], surface, uvs)
+        check(example == 0x9808A4C35F9C6008, "the example of the digest of the mesh of a cliff")
         with open(path, "rb") as file:
             pack = Pack(file.read())
         if info_program:

@@ -30,7 +30,7 @@ static const struct {
              {SCREE_ERROR_SYNTAX, 12, "syntax error"},
              {SCREE_ERROR_RANGE, 13, "number out of range"},
              {SCREE_ERROR_CANCELLED, 14, "cancelled"},
-             {SCREE_ERROR_PACK_KIND, 15, "pack is of the wrong kind: models are not tiles"}};
+             {SCREE_ERROR_PACK_KIND, 15, "pack is of the wrong kind: tiles, models and a cliff are not alike"}};
 enum { CODE_COUNT = sizeof codes / sizeof codes[0] };
 
 static void every_result_code_keeps_its_number_and_text(void** state) {

@@ -247,6 +247,7 @@ static void changed_bytes_with_digests_to_match_never_crash_a_reader(void** stat
 static void numbers_that_cannot_be_are_corrupt(void** state) {
   (void)state;
   BAD(header_of(bytes)->kind = 2);
+  BAD(header_of(bytes)->kind = 3);
   BAD(header_of(bytes)->kind = SCREE_PACK_TILES);
   BAD(header_of(bytes)->reserved = 1);
   BAD(header_of(bytes)->cells_per_cube = 1);

@@ -47,7 +47,7 @@ typedef enum scree_result {
   SCREE_ERROR_SYNTAX = 12,     /* text that is not the JSON that was expected */
   SCREE_ERROR_RANGE = 13,      /* a number outside its documented range */
   SCREE_ERROR_CANCELLED = 14,  /* the progress callback asked to stop */
-  SCREE_ERROR_PACK_KIND = 15   /* a pack of models where one of tiles is needed, or the other way round */
+  SCREE_ERROR_PACK_KIND = 15   /* a pack of another kind than the one that is needed: tiles, models or a cliff */
 } scree_result;
 
 /* The code's name and meaning as one short English phrase, static storage. Any value is accepted. Thread-safe. */

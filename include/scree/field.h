@@ -20,8 +20,8 @@ typedef struct scree_field_desc {
 } scree_field_desc;
 
 /* Makes a field: builds the tables that queries read (a few bytes a rock), after checking every table of the pack.
- * Returns SCREE_OK, INVALID_ARGUMENT, RANGE, PACK_KIND (a pack of models), CORRUPT or OUT_OF_MEMORY. A field is immutable and may
- * be shared between threads. */
+ * Returns SCREE_OK, INVALID_ARGUMENT, RANGE, PACK_KIND (a pack of models or of a cliff), CORRUPT or OUT_OF_MEMORY. A field is
+ * immutable and may be shared between threads. */
 SCREE_API scree_result scree_field_create(const scree_field_desc* desc, const scree_allocator* allocator, scree_field** out);
 SCREE_API void scree_field_destroy(scree_field* field);
 

@@ -26,8 +26,8 @@ typedef struct scree_scatter_model {
 } scree_scatter_model;
 
 typedef struct scree_scatter_desc {
-  const scree_pack* pack; /* of kind models, which has to outlive the scatter: model = asset; one that does not touch the ground is
-                             fitted by its middle alone; or NULL, and models of the host's own */
+  const scree_pack* pack; /* of kind models, not of a cliff, which has to outlive the scatter: model = asset; one that does not
+                             touch the ground is fitted by its middle alone; or NULL, and models of the host's own */
   const scree_scatter_model* models;
   uint32_t model_count; /* 1..65536; with a pack 0 */
   uint32_t age_count;   /* of models of the host's own: model = variant * age_count + age, age 0 the youngest; 0 = 1 */

@@ -5,6 +5,7 @@
 #include "mesh_digest.h"
 #include "occlusion.h"
 #include "pack_format.h"
+#include "uv_bytes.h"
 
 scree_result draco_encode(const lattice_mesh* mesh, const scree_allocator* given, rock_lod* out) {
   const scree_allocator allocator = scree_rt_allocator_or_default(given);
@@ -13,17 +14,20 @@ scree_result draco_encode(const lattice_mesh* mesh, const scree_allocator* given
   const uint32_t size = mesh->triangle_count / PACK_MAX_TRIANGLES_PER_BLOB_BYTE + 1;
   uint8_t* values = scree_rt_allocate(&allocator, mesh->vertex_count, 1);
   out->blob = scree_rt_allocate_zeroed(&allocator, size, 1);
-  if (values == NULL || out->blob == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
+  uint16_t(*uvs)[2] = mesh->uvs != NULL ? scree_rt_allocate(&allocator, mesh->vertex_count, sizeof *uvs) : NULL;
+  if (values == NULL || out->blob == NULL || (mesh->uvs != NULL && uvs == NULL)) return SCREE_ERROR_OUT_OF_MEMORY;
   out->blob_size = size;
   out->vertex_count = mesh->vertex_count;
   out->triangle_count = mesh->triangle_count;
   for (uint32_t i = 0; i < mesh->vertex_count; ++i) values[i] = occlusion_value(occlusion_level(mesh->occlusion[i]));
+  for (uint32_t i = 0; uvs != NULL && i < mesh->vertex_count; ++i) uv_values(mesh, i, uvs[i]);
   const size_t stride = sizeof *mesh->positions;
   if (mesh->surface != NULL)
-    out->digest = scree_rt_model_digest(mesh->positions, stride, values, (const uint8_t(*)[4])mesh->surface, mesh->indices,
-                                        mesh->triangle_count);
+    out->digest = scree_rt_model_digest(mesh->positions, stride, values, (const uint8_t(*)[4])mesh->surface,
+                                        (const uint16_t(*)[2])uvs, mesh->indices, mesh->triangle_count);
   else
     out->digest = scree_rt_mesh_digest(mesh->positions, stride, values, 1, mesh->indices, mesh->triangle_count);
+  scree_rt_release(&allocator, uvs, mesh->vertex_count, sizeof *uvs);
   scree_rt_release(&allocator, values, mesh->vertex_count, 1);
   return SCREE_OK;
 }

@@ -49,9 +49,27 @@ static void read_mesh(const scree_pack* pack, uint32_t asset, uint32_t lod) {
   if (lod + 1 == info.lod_count && scree_pack_coarse_mesh(pack, asset, vertices, level.vertices, narrow, indices) == SCREE_OK)
     for (uint32_t i = 0; i < level.vertices; ++i)
       if (info.kind == SCREE_PACK_TILES && (vertices[i].material | vertices[i].durability | vertices[i].curvature) != 0) abort();
+  scree_uv* uvs = malloc(level.vertices * sizeof *uvs + 1);
+  uint8_t* groups = malloc((size_t)level.vertices + 1);
+  scree_draco_decode_uvs(pack, asset, lod, uvs, groups, level.vertices);
+  free(groups);
+  free(uvs);
   free(narrow);
   free(wide);
   free(vertices);
+}
+
+static void read_cliff(const scree_pack* pack, const scree_pack_info* info) {
+  for (uint32_t t = 0; t < info->time_count; ++t) {
+    scree_cliff_time time;
+    if (scree_pack_get_time(pack, t, &time) != SCREE_OK) continue;
+    if ((uint64_t)time.first_placement + time.placement_count > info->placement_count) abort();
+    for (uint32_t i = 0; i < time.placement_count; ++i) {
+      scree_block_placement at;
+      if (scree_pack_get_placements(pack, time.first_placement + i, 1, &at) != SCREE_OK) continue;
+      if (at.asset < info->time_count || at.asset >= info->asset_count) abort();
+    }
+  }
 }
 
 static void read_field(const scree_pack* pack) {
@@ -102,6 +120,7 @@ static void read_through(const void* bytes, size_t size) {
       if (cell >= info.cell_count) abort();
       if (scree_pack_cell_assets(pack, cell, &first, &count) == SCREE_OK && (uint64_t)first + count > info.asset_count) abort();
     }
+  read_cliff(pack, &info);
   read_field(pack);
   scree_pack_close(pack);
 }
