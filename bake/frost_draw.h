@@ -42,12 +42,11 @@ static inline double frost_facing(const scree_link* link, bool first_stands, con
 static inline uint64_t frost_weight(const frost_rain* rain, const scree_link* link, bool first_stands, double scale) {
   const double cosine = frost_facing(link, first_stands, rain->axis);
   double best = 1;
-  if (cosine < rain->cosine) {
+  if (cosine < rain->cosine) { /* that of the angle to the axis less the spread */
     const double sine2 = 1 - cosine * cosine;
-    best = cosine * rain->cosine + sqrt(sine2 > 0 ? sine2 : 0) * rain->sine; /* of the angle to the axis less the spread */
-    best += 1e-12;                                                           /* more than the error of the cosines */
-    if (best > 1) best = 1;
+    best = cosine * rain->cosine + sqrt(sine2 > 0 ? sine2 : 0) * rain->sine;
   }
+  best += 1e-12; /* more than the error of cosines */
   return best > 2e-12 ? (uint64_t)ceil(scale * link->area * best) : 0;
 }
 

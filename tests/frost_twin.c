@@ -76,7 +76,7 @@ static void label(frost_twin* t, uint32_t shard, uint32_t from, uint32_t to, dou
 }
 
 /* Which air joins the outside, from nothing; then which links it has on one side and rock on the other. */
-static void find_exterior(frost_twin* t, uint8_t* out) {
+void frost_twin_exterior(frost_twin* t, uint8_t* out) {
   const scree_shards_view* v = &t->like->view;
   uint8_t* open = must(calloc(v->shard_count, 1));
   for (bool more = true; more;) {
@@ -145,7 +145,7 @@ static void fall(frost_twin* t, uint32_t falling, bool walk) {
     if (!stands(t, v->links[l].shards[0]) || !stands(t, v->links[l].shards[1])) t->lives[l] = 0;
   ++t->detachments;
   if (walk) walk_exterior(t, t->walked);
-  find_exterior(t, t->exterior);
+  frost_twin_exterior(t, t->exterior);
   for (uint32_t l = 0; walk && l < v->link_count; ++l) t->walk_differs += t->walked[l] != t->exterior[l];
 }
 

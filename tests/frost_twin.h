@@ -26,4 +26,7 @@ void frost_twin_destroy(frost_twin* twin);
  * that are left, says something else about what is exterior. */
 bool frost_twin_path(frost_twin* twin, bool walk);
 
+/* What of a state is exterior, found from nothing. out: of each link. */
+void frost_twin_exterior(frost_twin* twin, uint8_t* out);
+
 #endif

@@ -1,0 +1,581 @@
+/* Freeze and thaw: edits, snapshots, rules, resistances and ends. */
+#include <scree/frost.h>
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "failing_allocator.h"
+#include "frost_twin.h"
+#include "make_shards.h"
+#include "random_frost.h"
+#include "rounds.h"
+
+static scree_frost_stats stats_of(const scree_frost* f) {
+  scree_frost_stats stats;
+  scree_frost_get_stats(f, &stats);
+  return stats;
+}
+
+/* --- edits ------------------------------------------------------------------------------------------------------------------- */
+
+/* The link between two shards. */
+static uint32_t link_between(const scree_shards_view* v, uint32_t a, uint32_t b) {
+  for (uint32_t l = 0; l < v->interior_link_count; ++l)
+    if (v->links[l].shards[0] == a && v->links[l].shards[1] == b) return l;
+  fail_msg("%u and %u have no link", a, b);
+  return 0;
+}
+
+static void of_two_parts_the_smaller_falls_unless_it_has_core(void** state) {
+  (void)state;
+  const uint32_t size[3] = {5, 1, 1};
+  scree_shards* shards = make_lattice(size, 0, NULL);
+  scree_frost_rules rules;
+  scree_frost_rules_default(&rules);
+  static const struct {
+    uint8_t states[5];
+    uint32_t cut; /* between this shard and the next */
+    uint8_t after[5];
+  } cases[] = {
+      {{0, 0, 0, 0, 0}, 1, {1, 1, 0, 0, 0}}, {{0, 0, 0, 0, 0}, 2, {0, 0, 0, 1, 1}}, {{2, 0, 0, 0, 0}, 1, {2, 0, 1, 1, 1}},
+      {{2, 0, 0, 0, 2}, 2, {2, 0, 0, 0, 2}}, {{1, 0, 0, 2, 0}, 2, {1, 1, 1, 2, 0}}, {{1, 0, 0, 0, 0}, 2, {1, 0, 0, 1, 1}},
+  };
+  for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+    scree_frost* f = must_freeze(shards, &rules, cases[i].states, 1);
+    assert_int_equal(scree_frost_set_life(f, link_between(&shards->view, cases[i].cut, cases[i].cut + 1), 0), SCREE_OK);
+    assert_memory_equal(f->states, cases[i].after, 5);
+    scree_frost_destroy(f);
+  }
+  free_lattice(shards);
+}
+
+static void what_an_edit_leaves_hanging_falls(void** state) {
+  (void)state;
+  const uint32_t size[3] = {5, 3, 1}; /* a cross beam on a post: shards x + 5 y */
+  scree_shards* shards = make_lattice(size, 0, NULL);
+  scree_frost_rules rules;
+  scree_frost_rules_default(&rules);
+  uint8_t states[15] = {1, 1, 2, 1, 1, /* y = 0 */ 1, 1, 0, 1, 1, /* y = 1 */ 0, 0, 0, 0, 0};
+  scree_frost* f = must_freeze(shards, &rules, states, 1);
+  assert_int_equal(scree_frost_set_shard(f, 7, SCREE_SHARD_AIR), SCREE_OK);
+  assert_int_equal(stats_of(f).air, 14);
+  assert_int_equal(stats_of(f).core, 1);
+  assert_int_equal(stats_of(f).blocks, 5); /* the one taken away did not fall */
+  assert_int_equal(stats_of(f).detachments, 1);
+  scree_frost_destroy(f);
+
+  states[2] = SCREE_SHARD_SOLID; /* without core the larger part stays */
+  f = must_freeze(shards, &rules, states, 1);
+  assert_int_equal(scree_frost_set_shard(f, 11, SCREE_SHARD_AIR), SCREE_OK);
+  assert_int_equal(f->states[10], SCREE_SHARD_AIR);
+  assert_int_equal(stats_of(f).solid, 5);
+  /* And back: out of the block, with new links, and it can fall again. */
+  assert_int_equal(stats_of(f).blocks, 1);
+  assert_int_equal(scree_frost_set_shard(f, 11, SCREE_SHARD_SOLID), SCREE_OK);
+  assert_int_equal(scree_frost_set_shard(f, 10, SCREE_SHARD_SOLID), SCREE_OK);
+  assert_int_equal(stats_of(f).blocks, 0);
+  assert_int_equal(stats_of(f).solid, 7);
+  assert_true(fabs(stats_of(f).volume - 7) < 1e-12);
+  assert_true(f->lives[link_between(&shards->view, 10, 11)] == 1);
+  assert_int_equal(scree_frost_set_life(f, link_between(&shards->view, 11, 12), 0), SCREE_OK);
+  assert_int_equal(stats_of(f).solid, 5);
+  assert_int_equal(stats_of(f).blocks, 2);
+
+  assert_int_equal(scree_frost_set_shard(f, 15, SCREE_SHARD_AIR), SCREE_ERROR_INVALID_ARGUMENT);
+  assert_int_equal(scree_frost_set_shard(f, 0, (scree_shard_state)3), SCREE_ERROR_INVALID_ARGUMENT);
+  assert_int_equal(scree_frost_set_life(f, shards->view.interior_link_count, 0.5), SCREE_ERROR_INVALID_ARGUMENT);
+  assert_int_equal(scree_frost_set_life(f, 0, 1.5), SCREE_ERROR_INVALID_ARGUMENT);
+  assert_int_equal(scree_frost_set_life(f, 0, NAN), SCREE_ERROR_INVALID_ARGUMENT);
+  assert_int_equal(scree_frost_set_life(f, link_between(&shards->view, 10, 11), 0.5), SCREE_ERROR_INVALID_ARGUMENT);
+  scree_frost_destroy(f);
+  free_lattice(shards);
+}
+
+static void a_pocket_is_exterior_when_it_is_opened(void** state) {
+  (void)state;
+  const uint32_t size[3] = {5, 5, 5};
+  scree_shards* shards = make_lattice(size, 0, NULL);
+  scree_frost_rules rules;
+  scree_frost_rules_default(&rules);
+  scree_frost* f = must_freeze(shards, &rules, NULL, 1);
+  const uint32_t outside = stats_of(f).exterior_links, middle = 2 + 5 * (2 + 5 * 2);
+  assert_int_equal(outside, 150);
+  assert_int_equal(scree_frost_set_shard(f, middle, SCREE_SHARD_AIR), SCREE_OK);
+  assert_int_equal(stats_of(f).exterior_links, outside);
+  assert_int_equal(scree_frost_set_shard(f, middle + 5, SCREE_SHARD_AIR), SCREE_OK);
+  assert_int_equal(stats_of(f).exterior_links, outside);
+  assert_int_equal(scree_frost_set_shard(f, middle + 10, SCREE_SHARD_AIR), SCREE_OK); /* a shaft from the top, three deep */
+  assert_int_equal(stats_of(f).exterior_links, outside - 1 + 3 * 4 + 1);
+  assert_int_equal(scree_frost_set_shard(f, middle + 10, SCREE_SHARD_SOLID), SCREE_OK);
+  assert_int_equal(stats_of(f).exterior_links, outside);
+  scree_frost_destroy(f);
+  free_lattice(shards);
+}
+
+static void steps_after_edits_are_the_twins(void** state) {
+  (void)state;
+  for (uint64_t round = 0; round < ROUNDS(60, 10); ++round) {
+    random_stream stream = {500 + round};
+    const uint32_t size[3] = {3, 4, 2 + (uint32_t)(round % 3)};
+    scree_shards* shards = make_lattice(size, round, NULL);
+    const scree_shards_view* v = &shards->view;
+    scree_frost_rules rules;
+    random_frost_rules(&stream, &rules);
+    uint8_t states[512];
+    random_frost_states(&stream, v->shard_count, states);
+    scree_frost* f = must_freeze(shards, &rules, states, round);
+    for (int i = 0; i < 30; ++i) {
+      const uint32_t shard = (uint32_t)(random_unit(&stream) * v->shard_count);
+      const uint32_t link = (uint32_t)(random_unit(&stream) * v->interior_link_count);
+      if (i % 3 == 0) assert_int_equal(scree_frost_set_shard(f, shard, (scree_shard_state)(random_bits(&stream) % 3)), SCREE_OK);
+      if (i % 3 == 1 && f->lives[link] > 0) assert_int_equal(scree_frost_set_life(f, link, random_unit(&stream)), SCREE_OK);
+      if (i % 3 == 2) {
+        random_frost_rules(&stream, &rules);
+        assert_int_equal(scree_frost_set_rules(f, &rules, NULL), SCREE_OK);
+      }
+      for (uint32_t l = 0; l < v->interior_link_count; ++l)
+        if (f->lives[l] > 0) assert_true(frost_stands(f, v->links[l].shards[0]) && frost_stands(f, v->links[l].shards[1]));
+      frost_twin* twin = frost_twin_create(f);
+      frost_twin_exterior(twin, twin->exterior);
+      assert_memory_equal(f->exterior, twin->exterior, v->link_count);
+      for (int k = 0; k < 20; ++k)
+        if (!frost_twin_path(twin, false)) break;
+      assert_int_equal(scree_frost_step(f, 20), SCREE_OK);
+      assert_memory_equal(f->states, twin->states, v->shard_count);
+      assert_memory_equal(f->exterior, twin->exterior, v->link_count);
+      assert_memory_equal(f->lives, twin->lives, v->link_count * sizeof *f->lives);
+      assert_int_equal(f->stats.paths, twin->paths);
+      const scree_block* blocks;
+      const uint32_t* list;
+      uint32_t fallen = 0, seen[512] = {0};
+      const uint32_t count = scree_frost_blocks(f, &blocks, &list);
+      for (uint32_t b = 0; b < count; ++b) {
+        assert_int_equal(blocks[b].first_shard, fallen);
+        assert_true(blocks[b].shard_count > 0);
+        for (uint32_t m = 0; m < blocks[b].shard_count; ++m, ++fallen) {
+          assert_int_equal(seen[list[fallen]]++, 0);
+          assert_int_equal(f->states[list[fallen]], SCREE_SHARD_AIR);
+        }
+      }
+      assert_int_equal(f->block_shard_count, fallen);
+      frost_twin_destroy(twin);
+    }
+    scree_frost_destroy(f);
+    free_lattice(shards);
+  }
+}
+
+/* --- blocks ------------------------------------------------------------------------------------------------------------------ */
+
+static void a_group_falls_in_blocks_by_the_life_of_its_links(void** state) {
+  (void)state;
+  const uint32_t size[3] = {8, 1, 1};
+  scree_shards* shards = make_lattice(size, 0, NULL);
+  scree_frost_rules rules;
+  scree_frost_rules_default(&rules);
+  for (int round = 0; round < 3; ++round) {
+    rules.fall_life = round == 0 ? 0 : round == 1 ? 0.5 : 1;
+    const uint8_t states[8] = {2, 0, 0, 0, 0, 0, 0, 0};
+    scree_frost* f = must_freeze(shards, &rules, states, 1);
+    assert_int_equal(scree_frost_set_life(f, 3, 0.5), SCREE_OK);
+    assert_int_equal(scree_frost_set_life(f, 5, 0.6), SCREE_OK);
+    assert_int_equal(scree_frost_set_life(f, 0, 0), SCREE_OK);
+    const scree_block* blocks;
+    const uint32_t* list;
+    const uint32_t count = scree_frost_blocks(f, &blocks, &list), expected[3] = {1, 2, 7};
+    assert_int_equal(count, expected[round]);
+    for (uint32_t i = 0; i < 7; ++i) assert_int_equal(list[i], i + 1);
+    if (round == 1) assert_int_equal(blocks[0].shard_count, 3);
+    if (round == 0) assert_true(fabs(blocks[0].volume - 7) < 1e-12);
+    if (round == 0) assert_true(fabs(blocks[0].centroid[0] - 0.5) < 1e-12 && fabs(blocks[0].centroid[1] - 0.5) < 1e-12);
+    assert_true(blocks[0].push[0] == 1 && blocks[0].push[1] == 0); /* away from the core */
+    if (count > 1) assert_true(blocks[1].push[0] == 0);            /* no rock beside it stayed */
+    scree_frost_destroy(f);
+  }
+  free_lattice(shards);
+}
+
+/* --- snapshots --------------------------------------------------------------------------------------------------------------- */
+
+static void snapshots_come_back_exactly(void** state) {
+  (void)state;
+  for (uint64_t round = 0; round < ROUNDS(20, 4); ++round) {
+    random_stream stream = {900 + round};
+    const uint32_t size[3] = {4, 3, 4};
+    scree_shards* shards = make_lattice(size, round, NULL);
+    failing_allocator memory = {.fail_at = -1};
+    scree_frost_desc desc = {.shards = shards, .random_seed = round, .allocator = failing_allocator_of(&memory)};
+    random_frost_rules(&stream, &desc.rules);
+    desc.rules.fall = SCREE_FALL_KEPT;
+    scree_frost* f;
+    assert_int_equal(scree_frost_create(&desc, &f, NULL), SCREE_OK);
+    const long long held = memory.live;
+    assert_int_equal(held, (long long)stats_of(f).memory);
+    assert_int_equal(scree_frost_step(f, 100 * round), SCREE_OK);
+    scree_frost_snapshot* snapshot;
+    assert_int_equal(scree_frost_save(f, &snapshot), SCREE_OK);
+    const uint64_t digest = scree_frost_digest(f);
+    const scree_frost_stats before = stats_of(f);
+    uint32_t path[2][64];
+    const uint32_t length = scree_frost_last_path(f, path[0], NULL, 64);
+
+    assert_int_equal(scree_frost_step(f, 300), SCREE_OK);
+    const uint64_t later = scree_frost_digest(f);
+    const scree_frost_stats after = stats_of(f);
+    assert_int_equal(scree_frost_set_shard(f, 7, frost_stands(f, 7) ? SCREE_SHARD_AIR : SCREE_SHARD_CORE), SCREE_OK);
+    scree_frost_rules other;
+    random_frost_rules(&stream, &other);
+    assert_int_equal(scree_frost_set_rules(f, &other, NULL), SCREE_OK);
+    assert_int_equal(scree_frost_step(f, 50), SCREE_OK);
+
+    assert_int_equal(scree_frost_set_rules(f, &desc.rules, NULL), SCREE_OK);
+    scree_frost_restore(f, snapshot);
+    assert_true(scree_frost_digest(f) == digest);
+    scree_frost_stats now = stats_of(f);
+    assert_memory_equal(&now, &before, sizeof now);
+    assert_int_equal(scree_frost_last_path(f, path[1], NULL, 64), length);
+    assert_memory_equal(path[0], path[1], (length < 64 ? length : 64) * sizeof *path[0]);
+    assert_int_equal(scree_frost_step(f, 300), SCREE_OK);
+    assert_true(scree_frost_digest(f) == later);
+    now = stats_of(f);
+    assert_memory_equal(&now, &after, sizeof now);
+    scree_frost_forget(f, snapshot);
+    scree_frost_forget(f, NULL);
+    assert_int_equal(memory.live, held);
+    scree_frost_destroy(f);
+    assert_int_equal(memory.live, 0);
+    free_lattice(shards);
+  }
+}
+
+/* --- ends -------------------------------------------------------------------------------------------------------------------- */
+
+static void nothing_falls_where_all_is_core(void** state) {
+  (void)state;
+  const uint32_t size[3] = {3, 3, 3};
+  scree_shards* shards = make_lattice(size, 2, NULL);
+  scree_frost_rules rules;
+  scree_frost_rules_default(&rules);
+  uint8_t states[27];
+  memset(states, SCREE_SHARD_CORE, sizeof states);
+  scree_frost* f = must_freeze(shards, &rules, states, 1);
+  assert_int_equal(scree_frost_step(f, 20000), SCREE_OK);
+  const scree_frost_stats stats = stats_of(f);
+  assert_int_equal(stats.core, 27);
+  assert_int_equal(stats.paths, 20000);
+  assert_int_equal(stats.detachments, 0);
+  assert_true(stats.breaks > 20 && stats.breaks <= shards->view.interior_link_count);
+  assert_false(stats.dry);
+  scree_frost_destroy(f);
+  free_lattice(shards);
+}
+
+static void paths_end_where_nothing_takes_water(void** state) {
+  (void)state;
+  const uint32_t size[3] = {3, 2, 3};
+  scree_shards* shards = make_lattice(size, 2, NULL);
+  scree_frost_rules rules;
+  scree_frost_rules_default(&rules);
+  uint8_t states[18];
+  memset(states, SCREE_SHARD_AIR, sizeof states);
+  scree_frost* f = must_freeze(shards, &rules, states, 1); /* nothing stands */
+  assert_int_equal(scree_frost_step(f, 10), SCREE_OK);
+  assert_true(stats_of(f).dry && stats_of(f).paths == 0);
+  assert_int_equal(scree_frost_set_shard(f, 4, SCREE_SHARD_SOLID), SCREE_OK);
+  assert_int_equal(scree_frost_step(f, 10), SCREE_OK);
+  assert_true(!stats_of(f).dry && stats_of(f).paths == 10);
+  rules.rain_count = 0; /* no rain */
+  assert_int_equal(scree_frost_set_rules(f, &rules, NULL), SCREE_OK);
+  assert_int_equal(scree_frost_step(f, 10), SCREE_OK);
+  assert_true(stats_of(f).dry && stats_of(f).paths == 10);
+  assert_int_equal(scree_frost_run(f, 0, 10, NULL, NULL), SCREE_OK);
+  assert_int_equal(stats_of(f).paths, 10);
+  scree_frost_destroy(f);
+  free_lattice(shards);
+}
+
+static void rain_from_below_drains_where_it_lands(void** state) {
+  (void)state;
+  const uint32_t size[3] = {3, 2, 3};
+  scree_shards* shards = make_lattice(size, 2, NULL);
+  scree_frost_rules rules;
+  scree_frost_rules_default(&rules);
+  rules.rains[0] = (scree_rain){{0, 1, 0}, 0, 1};
+  rules.total_absorption = false;
+  scree_frost* f = must_freeze(shards, &rules, NULL, 1);
+  assert_int_equal(scree_frost_step(f, 1000), SCREE_OK);
+  const scree_frost_stats stats = stats_of(f);
+  assert_int_equal(stats.paths, 1000);
+  assert_int_equal(stats.links_visited, 1000);
+  assert_int_equal(stats.breaks, 0);
+  assert_true(stats.drained > 0.5 * stats.poured);
+  scree_frost_destroy(f);
+  free_lattice(shards);
+}
+
+typedef struct watcher {
+  uint32_t calls, stop_after;
+  double last;
+} watcher;
+
+static bool watch(void* user, double done) {
+  watcher* w = user;
+  assert_true(done >= w->last && done <= 1);
+  w->last = done;
+  return ++w->calls != w->stop_after;
+}
+
+static void runs_stop_at_a_share_of_the_volume(void** state) {
+  (void)state;
+  const uint32_t size[3] = {5, 5, 5};
+  scree_shards* shards = make_lattice(size, 2, NULL);
+  scree_frost_rules rules;
+  scree_frost_rules_default(&rules);
+  scree_frost* f = must_freeze(shards, &rules, NULL, 1);
+  watcher w = {0};
+  assert_int_equal(scree_frost_run(f, 0.5, UINT64_MAX, watch, &w), SCREE_OK);
+  assert_true(w.last == 1);
+  const scree_frost_stats stats = stats_of(f);
+  assert_true(stats.volume <= 0.5 * stats.start_volume && stats.volume > 0.2 * stats.start_volume);
+  assert_int_equal(scree_frost_run(f, 0.5, 100, NULL, NULL), SCREE_OK); /* it is there already */
+  assert_int_equal(stats_of(f).paths, stats.paths);
+  assert_int_equal(scree_frost_run(f, 0, 100, NULL, NULL), SCREE_OK);
+  assert_int_equal(stats_of(f).paths, stats.paths + 100);
+  w = (watcher){.stop_after = 2};
+  assert_int_equal(scree_frost_run(f, 0, 1000000, watch, &w), SCREE_ERROR_CANCELLED);
+  assert_int_equal(w.calls, 2);
+  assert_int_equal(scree_frost_run(f, 1.5, 100, NULL, NULL), SCREE_ERROR_RANGE);
+  assert_int_equal(scree_frost_run(f, NAN, 100, NULL, NULL), SCREE_ERROR_RANGE);
+  scree_frost_destroy(f);
+  free_lattice(shards);
+}
+
+static void what_is_too_weak_to_stand_breaks_in_steps(void** state) {
+  (void)state;
+  const uint32_t size[3] = {6, 6, 6};
+  scree_shards* shards = make_lattice(size, 2, NULL);
+  scree_frost_rules rules;
+  scree_frost_rules_default(&rules);
+  rules.strength = 2e5;
+  rules.damage = 1;
+  uint8_t states[216] = {0};
+  for (uint32_t s = 0; s < 216; ++s) states[s] = s / 6 % 6 == 0 ? SCREE_SHARD_CORE : SCREE_SHARD_SOLID;
+  scree_frost* f = must_freeze(shards, &rules, states, 1);
+  for (int i = 0; i < 40; ++i) {
+    assert_int_equal(scree_frost_step(f, 50), SCREE_OK);
+    assert_int_equal(scree_frost_check_stability(f), 0);
+  }
+  assert_true(stats_of(f).overloaded > 0);
+  assert_true(stats_of(f).breaks > stats_of(f).overloaded + stats_of(f).forced);
+  scree_frost_destroy(f);
+  free_lattice(shards);
+}
+
+/* --- resistances ------------------------------------------------------------------------------------------------------------- */
+
+static void by_place(void* user, const double* places, double* resistance, uint32_t count) {
+  *(uint32_t*)user += count;
+  for (uint32_t i = 0; i < count; ++i) resistance[i] = i == 0 ? NAN : places[3 * (size_t)i + 1] - 1;
+}
+
+static void resistances_are_those_of_their_places(void** state) {
+  (void)state;
+  const uint32_t size[3] = {4, 4, 4};
+  scree_shards* shards = make_lattice(size, 0, NULL);
+  const scree_shards_view* v = &shards->view;
+  scree_frost_rules rules;
+  scree_frost_rules_default(&rules);
+  scree_frost* f = must_freeze(shards, &rules, NULL, 1);
+  const double* rho = f->tables.resistance;
+  for (uint32_t l = 0; l < v->link_count; ++l) assert_true(rho[l] == 0.5);
+
+  uint32_t calls = 0;
+  rules.resistance = (scree_resistance){.kind = SCREE_RESISTANCE_FUNCTION, .function = by_place, .user = &calls};
+  assert_int_equal(scree_frost_set_rules(f, &rules, NULL), SCREE_OK);
+  assert_int_equal(calls, v->link_count);
+  rho = f->tables.resistance;
+  for (uint32_t l = 0; l < v->link_count; ++l) {
+    const double y = v->links[l].centroid[1] - 1;
+    assert_true(rho[l] == (l % 64 == 0 || y < 0 ? 0 : y > 1 - 0x1p-20 ? 1 - 0x1p-20 : y));
+  }
+
+  const double layers[6] = {0.5, 0.2, 1.5, 0.8, 1.5, 0.4};
+  rules.resistance = (scree_resistance){.kind = SCREE_RESISTANCE_LAYERS, .layers = layers, .layer_count = 3};
+  assert_int_equal(scree_frost_set_rules(f, &rules, NULL), SCREE_OK);
+  rho = f->tables.resistance;
+  for (uint32_t l = 0; l < v->link_count; ++l) {
+    const double y = v->links[l].centroid[1];
+    assert_true(fabs(rho[l] - (y < 0.5 ? 0.2 : y >= 1.5 ? 0.4 : 0.2 + 0.6 * (y - 0.5))) < 1e-12);
+  }
+  rules.resistance.up[0] = -2; /* along -x */
+  assert_int_equal(scree_frost_set_rules(f, &rules, NULL), SCREE_OK);
+  rho = f->tables.resistance;
+  for (uint32_t l = 0; l < v->link_count; ++l) {
+    const double y = -v->links[l].centroid[0];
+    assert_true(fabs(rho[l] - (y < 0.5 ? 0.2 : y >= 1.5 ? 0.4 : 0.2 + 0.6 * (y - 0.5))) < 1e-12);
+  }
+
+  const uint8_t images[8] = {0, 255, 0, 255, 51, 255, 51, 255}; /* x: rises, and from z to z */
+  rules.resistance = (scree_resistance){.kind = SCREE_RESISTANCE_IMAGES, .images = images, .size = {2, 2, 2}};
+  assert_int_equal(scree_frost_set_rules(f, &rules, NULL), SCREE_OK);
+  rho = f->tables.resistance;
+  for (uint32_t l = 0; l < v->link_count; ++l) {
+    double x = (v->links[l].centroid[0] + 1) / 2, z = (v->links[l].centroid[2] + 1) / 2; /* middles of voxels are at -1 and 1 */
+    x = x < 0 ? 0 : x > 1 ? 1 : x;
+    z = z < 0 ? 0 : z > 1 ? 1 : z;
+    const double expected = x + (1 - x) * z * 0.2;
+    assert_true(fabs(rho[l] - (expected < 1 - 0x1p-20 ? expected : 1 - 0x1p-20)) < 1e-12);
+  }
+
+  rules.resistance = (scree_resistance){
+      .kind = SCREE_RESISTANCE_NOISE, .value = 0.5, .amplitude = 0.4, .period = 1.7, .octaves = 3, .random_seed = 2};
+  assert_int_equal(scree_frost_set_rules(f, &rules, NULL), SCREE_OK);
+  rho = f->tables.resistance;
+  double sum = 0, square = 0;
+  for (uint32_t l = 0; l < v->link_count; ++l) {
+    assert_true(rho[l] >= 0 && rho[l] < 1);
+    sum += rho[l] - 0.5;
+    square += (rho[l] - 0.5) * (rho[l] - 0.5);
+  }
+  assert_true(fabs(sum / v->link_count) < 0.05);
+  assert_true(sqrt(square / v->link_count) > 0.05 && sqrt(square / v->link_count) < 0.3);
+  scree_frost_destroy(f);
+  free_lattice(shards);
+}
+
+/* --- mistakes ---------------------------------------------------------------------------------------------------------------- */
+
+static void bad_rules_are_told_by_name(void** state) {
+  (void)state;
+  const uint32_t size[3] = {2, 2, 2};
+  scree_shards* shards = make_lattice(size, 0, NULL);
+  scree_frost_rules good, bad;
+  scree_frost_rules_default(&good);
+  scree_frost* f = must_freeze(shards, &good, NULL, 1);
+  const double falling[4] = {1, 0.5, 0, 0.5};
+  scree_error error;
+#define BAD(change, result, name)                                                           \
+  bad = good;                                                                               \
+  bad.change;                                                                               \
+  assert_int_equal(scree_frost_set_rules(f, &bad, &error), result);                         \
+  if (strstr(error.message, name) == NULL) fail_msg("%s: no word of " name, error.message); \
+  assert_int_equal(scree_frost_set_rules(f, &bad, NULL), result)
+  BAD(rain_count = 5, SCREE_ERROR_RANGE, "rain_count");
+  BAD(rains[0].direction[1] = 0, SCREE_ERROR_RANGE, "rains[0].direction");
+  BAD(rains[0].direction[0] = INFINITY, SCREE_ERROR_RANGE, "rains[0].direction");
+  BAD(rains[0].spread = 3.2, SCREE_ERROR_RANGE, "rains[0].spread");
+  BAD(rains[0].spread = NAN, SCREE_ERROR_RANGE, "rains[0].spread");
+  BAD(rains[0].weight = 0, SCREE_ERROR_RANGE, "rains[0].weight");
+  BAD(rain_count = 2, SCREE_ERROR_RANGE, "rains[1].direction");
+  BAD(water = 0, SCREE_ERROR_RANGE, "water");
+  BAD(gravity[1] = 0, SCREE_ERROR_RANGE, "gravity");
+  BAD(gravity[2] = NAN, SCREE_ERROR_RANGE, "gravity");
+  BAD(resistance.kind = (scree_resistance_kind)5, SCREE_ERROR_RANGE, "resistance.kind");
+  BAD(resistance.value = 1.5, SCREE_ERROR_RANGE, "resistance.value");
+  BAD(resistance.kind = SCREE_RESISTANCE_FUNCTION, SCREE_ERROR_INVALID_ARGUMENT, "resistance.function");
+  BAD(resistance.kind = SCREE_RESISTANCE_LAYERS, SCREE_ERROR_INVALID_ARGUMENT, "resistance.layers");
+  BAD(resistance = ((scree_resistance){.kind = SCREE_RESISTANCE_LAYERS, .layers = falling, .layer_count = 2}), SCREE_ERROR_RANGE,
+      "resistance.layers[1]");
+  BAD(resistance = ((scree_resistance){.kind = SCREE_RESISTANCE_NOISE, .amplitude = 2}), SCREE_ERROR_RANGE, "resistance.amplitude");
+  BAD(resistance = ((scree_resistance){.kind = SCREE_RESISTANCE_NOISE, .amplitude = 1}), SCREE_ERROR_RANGE, "resistance.period");
+  BAD(resistance = ((scree_resistance){.kind = SCREE_RESISTANCE_NOISE, .octaves = 9}), SCREE_ERROR_RANGE, "resistance.octaves");
+  BAD(resistance.kind = SCREE_RESISTANCE_IMAGES, SCREE_ERROR_INVALID_ARGUMENT, "resistance.images");
+  BAD(resistance = ((scree_resistance){.kind = SCREE_RESISTANCE_IMAGES, .images = (const uint8_t*)"", .size = {1, 0, 1}}),
+      SCREE_ERROR_RANGE, "resistance.size[1]");
+  BAD(resistance =
+          ((scree_resistance){.kind = SCREE_RESISTANCE_IMAGES, .images = (const uint8_t*)"", .size = {1, 1, 1}, .max = {1, 1, 0}}),
+      SCREE_ERROR_RANGE, "resistance.max[2]");
+  BAD(solid_absorption = -1, SCREE_ERROR_RANGE, "solid_absorption");
+  BAD(air_absorption = NAN, SCREE_ERROR_RANGE, "air_absorption");
+  BAD(resistance_absorption = -1, SCREE_ERROR_RANGE, "resistance_absorption");
+  BAD(damage = INFINITY, SCREE_ERROR_RANGE, "damage");
+  BAD(break_life = 2, SCREE_ERROR_RANGE, "break_life");
+  BAD(break_chance = -0.1, SCREE_ERROR_RANGE, "break_chance");
+  BAD(fall = (scree_fall)2, SCREE_ERROR_RANGE, "fall");
+  BAD(fall_life = 1.1, SCREE_ERROR_RANGE, "fall_life");
+  BAD(density = -1, SCREE_ERROR_RANGE, "density");
+  BAD(strength = -1, SCREE_ERROR_RANGE, "strength");
+  BAD(compression = 0.5, SCREE_ERROR_RANGE, "compression");
+  BAD(stability_interval = 0, SCREE_ERROR_RANGE, "stability_interval");
+#undef BAD
+  scree_frost* other;
+  scree_frost_desc desc = {.rules = good};
+  assert_int_equal(scree_frost_create(&desc, &other, &error), SCREE_ERROR_INVALID_ARGUMENT);
+  assert_non_null(strstr(error.message, "shards"));
+  const uint8_t states[8] = {0, 1, 2, 3};
+  desc = (scree_frost_desc){.shards = shards, .rules = good, .states = states};
+  assert_int_equal(scree_frost_create(&desc, &other, &error), SCREE_ERROR_RANGE);
+  assert_non_null(strstr(error.message, "states[3]"));
+  desc.states = NULL;
+  desc.rules.water = -1;
+  assert_int_equal(scree_frost_create(&desc, &other, &error), SCREE_ERROR_RANGE);
+  assert_null(other);
+  scree_frost_destroy(NULL);
+  scree_frost_destroy(f);
+  free_lattice(shards);
+}
+
+static void each_failed_allocation_is_told_and_nothing_leaks(void** state) {
+  (void)state;
+  const uint32_t size[3] = {3, 3, 3};
+  scree_shards* shards = make_lattice(size, 0, NULL);
+  scree_frost_rules weak;
+  scree_frost_rules_default(&weak);
+  weak.strength = 1e9;
+  bool whole = false;
+  for (int32_t n = 0; !whole; ++n) {
+    assert_true(n < 100);
+    failing_allocator memory = {.fail_at = n};
+    scree_frost_desc desc = {.shards = shards, .allocator = failing_allocator_of(&memory)};
+    scree_frost_rules_default(&desc.rules);
+    scree_frost* f;
+    scree_result result = scree_frost_create(&desc, &f, NULL);
+    scree_frost_snapshot* snapshot = NULL;
+    if (result == SCREE_OK) {
+      memory.fail_at = memory.failed ? -1 : n;
+      const int calls = memory.calls;
+      assert_int_equal(scree_frost_step(f, 400), SCREE_OK);
+      assert_int_equal(memory.calls, calls); /* steps allocate nothing */
+      const uint64_t digest = scree_frost_digest(f);
+      result = scree_frost_set_rules(f, &weak, NULL);
+      assert_true(result != SCREE_OK || f->rules.strength > 0);
+      assert_true(result == SCREE_OK || f->rules.strength == 0);
+      if (result == SCREE_OK) result = scree_frost_save(f, &snapshot);
+      assert_true(scree_frost_digest(f) == digest);
+      if (result == SCREE_OK) scree_frost_forget(f, snapshot);
+      scree_frost_destroy(f);
+    }
+    assert_true(result == SCREE_OK || result == SCREE_ERROR_OUT_OF_MEMORY);
+    assert_int_equal(memory.live, 0);
+    whole = !memory.failed;
+    if (whole) assert_true(n > 15);
+  }
+  free_lattice(shards);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(of_two_parts_the_smaller_falls_unless_it_has_core),
+      cmocka_unit_test(what_an_edit_leaves_hanging_falls),
+      cmocka_unit_test(a_pocket_is_exterior_when_it_is_opened),
+      cmocka_unit_test(steps_after_edits_are_the_twins),
+      cmocka_unit_test(a_group_falls_in_blocks_by_the_life_of_its_links),
+      cmocka_unit_test(snapshots_come_back_exactly),
+      cmocka_unit_test(nothing_falls_where_all_is_core),
+      cmocka_unit_test(paths_end_where_nothing_takes_water),
+      cmocka_unit_test(rain_from_below_drains_where_it_lands),
+      cmocka_unit_test(runs_stop_at_a_share_of_the_volume),
+      cmocka_unit_test(what_is_too_weak_to_stand_breaks_in_steps),
+      cmocka_unit_test(resistances_are_those_of_their_places),
+      cmocka_unit_test(bad_rules_are_told_by_name),
+      cmocka_unit_test(each_failed_allocation_is_told_and_nothing_leaks),
+  };
+  return cmocka_run_group_tests_name("frost_state", tests, NULL, NULL);
+}
