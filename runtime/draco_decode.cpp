@@ -7,6 +7,7 @@
 #include <cstring>
 #include <memory>
 #include <new>
+#include <vector>
 
 #include "mesh_normals.h"
 #include "occlusion.h"
@@ -137,8 +138,15 @@ scree_result decode(const uint8_t* blob, size_t blob_size, uint32_t vertex_count
   if (!copy_vertices(*vertex_attribute(mesh), vertex_count, vertices)) return SCREE_ERROR_CORRUPT;
   if (kind != SCREE_PACK_TILES && !copy_surface(*surface_attribute(mesh), kind == SCREE_PACK_CLIFF, vertex_count, vertices))
     return SCREE_ERROR_CORRUPT;
-  const std::unique_ptr<char[]> scratch(new char[size_t{vertex_count} * MESH_NORMALS_SCRATCH]);
-  scree_rt_mesh_normals(vertices, vertex_count, decoded, triangle_count, scratch.get());
+  if (kind == SCREE_PACK_CLIFF) {
+    std::vector<uint8_t> groups(vertex_count);
+    for (uint32_t i = 0; i < vertex_count; ++i) groups[i] = value_of(*surface_attribute(mesh), i, 4)[3];
+    const std::unique_ptr<char[]> scratch(new char[scree_rt_joined_normals_scratch(vertex_count)]);
+    scree_rt_joined_normals(vertices, groups.data(), vertex_count, decoded, triangle_count, scratch.get());
+  } else {
+    const std::unique_ptr<char[]> scratch(new char[size_t{vertex_count} * MESH_NORMALS_SCRATCH]);
+    scree_rt_mesh_normals(vertices, vertex_count, decoded, triangle_count, scratch.get());
+  }
 
   if (index_size == sizeof(uint32_t)) {
     std::memcpy(indices, decoded, index_count * sizeof(uint32_t));

@@ -76,3 +76,36 @@ void scree_rt_mesh_normals(scree_vertex* vertices, uint32_t vertex_count, const 
     for (uint32_t i = 0; i < vertex_count; ++i) scree_rt_mesh_normal(sums[i], vertices[i].normal);
   }
 }
+
+/* Slots of a table of all keys: a power of two, at most half full. */
+static uint32_t slot_bits(uint32_t vertex_count) {
+  uint32_t bits = 4;
+  while (UINT64_C(1) << bits < 2 * (uint64_t)vertex_count) ++bits;
+  return bits;
+}
+
+size_t scree_rt_joined_normals_scratch(uint32_t vertex_count) {
+  return (size_t)vertex_count * MESH_NORMALS_SCRATCH + ((size_t)1 << slot_bits(vertex_count)) * sizeof(uint32_t);
+}
+
+void scree_rt_joined_normals(scree_vertex* vertices, const uint8_t* groups, uint32_t vertex_count, const uint32_t* indices,
+                             uint32_t triangle_count, void* scratch) {
+  int64_t(*sums)[3] = scratch;
+  uint32_t* slots = (uint32_t*)(void*)(sums + vertex_count);
+  const uint32_t bits = slot_bits(vertex_count);
+  memset(sums, 0, vertex_count * sizeof *sums);
+  memset(slots, 0xff, ((size_t)1 << bits) * sizeof *slots);
+  sum_normals_64(vertices, indices, triangle_count, sums);
+  /* Twice over the vertices: the first of a key gathers the sums of all, which then have its normal. */
+  for (int turn = 0; turn < 2; ++turn)
+    for (uint32_t v = 0; v < vertex_count; ++v) {
+      const uint64_t key = scree_rt_normal_key(vertices[v].position, groups[v]);
+      size_t slot = (size_t)(scree_rt_normal_hash(key) >> (64 - bits));
+      while (slots[slot] != UINT32_MAX && scree_rt_normal_key(vertices[slots[slot]].position, groups[slots[slot]]) != key)
+        slot = (slot + 1) & (((size_t)1 << bits) - 1);
+      if (slots[slot] == UINT32_MAX) slots[slot] = v;
+      const uint32_t first = slots[slot];
+      for (int axis = 0; turn == 0 && first != v && axis < 3; ++axis) sums[first][axis] += sums[v][axis];
+      if (turn == 1) scree_rt_mesh_normal(sums[first], vertices[v].normal);
+    }
+}

@@ -50,21 +50,62 @@ int32_t scree_rt_plain_mesh_coordinate(const plain_mesh* mesh, uint32_t vertex, 
 /* Vertices whose normals are summed at once, on the stack: the runtime's smallest meshes need one pass, and none needs memory. */
 #define BATCH 128
 
-static void add_normals(const plain_mesh* mesh, const scree_vertex* vertices, uint32_t first, int64_t (*sums)[3]) {
+/* Which rows of the sums vertices add to: of rocks and models each vertex of a batch has its own; of cliffs, those of the whole
+ * mesh that share a normal with one of the batch add to the row of the first of these. */
+typedef struct normal_rows {
+  uint32_t first, count;    /* vertices of the batch */
+  uint64_t keys[BATCH];     /* of cliffs, by row */
+  uint8_t slots[2 * BATCH]; /* row + 1, 0 = free */
+} normal_rows;
+
+/* The row of a key, or the slot where it belongs, from BATCH on. */
+static uint32_t find_row(const normal_rows* rows, uint64_t key) {
+  uint32_t slot = (uint32_t)(scree_rt_normal_hash(key) >> 56);
+  for (; rows->slots[slot] != 0; slot = (slot + 1) % (2 * BATCH))
+    if (rows->keys[rows->slots[slot] - 1] == key) return rows->slots[slot] - 1u;
+  return BATCH + slot;
+}
+
+static uint64_t key_of(const plain_mesh* mesh, const scree_vertex* vertices, uint32_t v) {
+  return scree_rt_normal_key(vertices[v].position, mesh->surface[v][3]);
+}
+
+/* The row of a vertex, BATCH or more if it has none. */
+static uint32_t row_of(const plain_mesh* mesh, const scree_vertex* vertices, const normal_rows* rows, uint32_t v) {
+  if (mesh->uvs != NULL) return find_row(rows, key_of(mesh, vertices, v));
+  return v - rows->first < rows->count ? v - rows->first : BATCH;
+}
+
+static void start_rows(const plain_mesh* mesh, const scree_vertex* vertices, uint32_t first, normal_rows* rows) {
+  rows->first = first;
+  rows->count = mesh->vertex_count - first < BATCH ? mesh->vertex_count - first : BATCH;
+  if (mesh->uvs == NULL) return;
+  memset(rows->slots, 0, sizeof rows->slots);
+  for (uint32_t i = 0; i < rows->count; ++i) {
+    const uint64_t key = key_of(mesh, vertices, first + i);
+    const uint32_t found = find_row(rows, key);
+    if (found < BATCH) continue;
+    rows->keys[i] = key;
+    rows->slots[found - BATCH] = (uint8_t)(i + 1);
+  }
+}
+
+static void add_normals(const plain_mesh* mesh, const scree_vertex* vertices, const normal_rows* rows, int64_t (*sums)[3]) {
   for (size_t t = 0; t < (size_t)mesh->triangle_count * 3; t += 3) {
-    uint32_t corner[3];
+    uint32_t corner[3], row[3];
     bool near = false;
     for (size_t k = 0; k < 3; ++k) {
       corner[k] = number_at(mesh->indices, mesh->index_size, t + k);
-      near |= corner[k] - first < BATCH;
+      row[k] = row_of(mesh, vertices, rows, corner[k]);
+      near |= row[k] < BATCH;
     }
     if (!near) continue;
     const int16_t *a = vertices[corner[0]].position, *b = vertices[corner[1]].position, *c = vertices[corner[2]].position;
     const int64_t u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, v[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
     const int64_t n[3] = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
     for (int k = 0; k < 3; ++k)
-      if (corner[k] - first < BATCH)
-        for (int axis = 0; axis < 3; ++axis) sums[corner[k] - first][axis] += n[axis];
+      if (row[k] < BATCH)
+        for (int axis = 0; axis < 3; ++axis) sums[row[k]][axis] += n[axis];
   }
 }
 
@@ -77,9 +118,11 @@ void scree_rt_plain_mesh_decode(const plain_mesh* mesh, scree_vertex* vertices, 
   }
   for (uint32_t first = 0; first < mesh->vertex_count; first += BATCH) {
     int64_t sums[BATCH][3] = {{0}};
-    add_normals(mesh, vertices, first, sums);
-    for (uint32_t v = first; v < mesh->vertex_count && v - first < BATCH; ++v)
-      scree_rt_mesh_normal(sums[v - first], vertices[v].normal);
+    normal_rows rows;
+    start_rows(mesh, vertices, first, &rows);
+    add_normals(mesh, vertices, &rows, sums);
+    for (uint32_t v = first; v < first + rows.count; ++v)
+      scree_rt_mesh_normal(sums[row_of(mesh, vertices, &rows, v)], vertices[v].normal);
   }
   for (size_t i = 0; i < (size_t)mesh->triangle_count * 3; ++i) {
     const uint32_t index = number_at(mesh->indices, mesh->index_size, i);

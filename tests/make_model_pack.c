@@ -71,7 +71,7 @@ static void add_uvs(lattice_mesh* mesh) {
 }
 
 /* A cube of cut faces, each with its own four vertices, group and UVs. */
-static void make_cube(int half, lattice_mesh* mesh) {
+static void make_cube(int half, bool smooth, lattice_mesh* mesh) {
   *mesh = (lattice_mesh){.positions = checked(malloc(24 * sizeof *mesh->positions)),
                          .occlusion = checked(malloc(24)),
                          .indices = checked(malloc(36 * sizeof *mesh->indices)),
@@ -88,7 +88,7 @@ static void make_cube(int half, lattice_mesh* mesh) {
       mesh->positions[first + k][u] = (int16_t)(s * side * half);
       mesh->positions[first + k][v] = (int16_t)(t * half);
       mesh->occlusion[first + k] = (uint8_t)(17 * (face + k));
-      const uint8_t bytes[4] = {2, 64, 200, (uint8_t)(face + 1)};
+      const uint8_t bytes[4] = {2, 64, 200, (uint8_t)(smooth ? 9 : face + 1)};
       memcpy(mesh->surface[first + k], bytes, sizeof bytes);
       mesh->uvs[first + k][0] = (float)(s * half) / 16;
       mesh->uvs[first + k][1] = 1 + (float)(t * half) / 16;
@@ -169,7 +169,7 @@ static void fill_model(uint32_t variant, uint32_t age, const test_models_desc* d
   for (uint32_t lod = 0; lod < desc->lod_count; ++lod) {
     lattice_mesh mesh;
     if (desc->cliff && variant > 0) {
-      make_cube((int)(6 + variant), &mesh);
+      make_cube((int)(6 + variant), variant + 1 == desc->variants, &mesh);
     } else {
       make_mesh(variant + 1, age, lod + 1, &mesh);
       if (lod == 0) up = -lowest_point(&mesh) - STEPS_BELOW;

@@ -11,7 +11,8 @@ typedef struct test_models_desc {
   uint32_t lod_count;        /* [2] */
   uint32_t lattice_per_cell; /* steps a metre [8]: a model is about 50 steps wide, less the older it is */
   /* A cliff: variant 0 has `ages` times, a model with groups by octant; the others are blocks, cubes with sharp edges, 12 + 2
-   * variant steps wide, each of one age. At time t > 0 there are TEST_PLACEMENTS t placements. */
+   * variant steps wide, each of one age; the last has one group, so it
+   * is smooth. At time t > 0 there are TEST_PLACEMENTS t placements. */
   bool cliff;
 } test_models_desc;
 

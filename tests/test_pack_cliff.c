@@ -7,9 +7,11 @@
 #include "failing_allocator.h"
 #include "lattice.h"
 #include "make_model_pack.h"
+#include "mesh_normals.h"
 #include "pack_bytes.h"
 #include "pack_writer.h"
 #include "plain_encode.h"
+#include "plain_mesh.h"
 #include "uv_bytes.h"
 
 #include <math.h>
@@ -156,6 +158,7 @@ static void uvs_and_groups_come_back_from_both_codecs(void** state) {
           assert_int_equal(uvs[v].v, uv_value(1 + (float)at->position[2] / 40, info.uv_min[1], info.uv_max[1]));
           continue;
         }
+        if (i + 1 == info.asset_count) continue;
         /* Blocks: each face of a cube has its own vertices, and its normals are those of the face alone. */
         assert_int_equal(at->material, 2);
         const int axis = (groups[v] - 1) / 2;
@@ -185,6 +188,99 @@ static void uvs_and_groups_come_back_from_both_codecs(void** state) {
     }
   scree_pack_close(pack);
   free(bytes);
+}
+
+/* Sums over all triangles with a corner at the place and of the group of a vertex. */
+static void normal_of(const scree_vertex* vertices, const uint8_t* groups, const uint32_t* indices, uint32_t triangles, uint32_t v,
+                      int16_t normal[3]) {
+  int64_t sum[3] = {0};
+  for (uint32_t i = 0; i < 3 * triangles; ++i) {
+    if (memcmp(vertices[indices[i]].position, vertices[v].position, 6) != 0 || groups[indices[i]] != groups[v]) continue;
+    const uint32_t* corner = indices + i / 3 * 3;
+    const int16_t *a = vertices[corner[0]].position, *b = vertices[corner[1]].position, *c = vertices[corner[2]].position;
+    for (int k = 0; k < 3; ++k) {
+      const int x = (k + 1) % 3, y = (k + 2) % 3;
+      sum[k] += (int64_t)(b[x] - a[x]) * (c[y] - a[y]) - (int64_t)(b[y] - a[y]) * (c[x] - a[x]);
+    }
+  }
+  scree_rt_mesh_normal(sum, normal);
+}
+
+static void vertices_share_their_normal_by_place_and_group(void** state) {
+  (void)state;
+  size_t size;
+  uint8_t* bytes = test_model_pack_make(&several, &size);
+  scree_pack* pack = open_or_fail(bytes, size);
+  static scree_vertex vertices[4096];
+  static uint32_t indices[3 * 8192];
+  static scree_uv uvs[4096];
+  static uint8_t groups[4096];
+  uint32_t slanted = 0;
+  for (uint32_t i = 0; i < ASSETS; ++i)
+    for (uint32_t lod = 0; lod < 2; ++lod) {
+      scree_lod level;
+      assert_int_equal(scree_pack_get_lod(pack, i, lod, &level), SCREE_OK);
+      assert_int_equal(scree_draco_decode_u32(pack, i, lod, vertices, 4096, indices, 3 * 8192), SCREE_OK);
+      assert_int_equal(scree_draco_decode_uvs(pack, i, lod, uvs, groups, 4096), SCREE_OK);
+      for (uint32_t v = 0; v < level.vertices; ++v) {
+        int16_t normal[3];
+        normal_of(vertices, groups, indices, level.triangles, v, normal);
+        assert_memory_equal(normal, vertices[v].normal, sizeof normal);
+        slanted += i + 1 == ASSETS && normal[0] != 0 && normal[1] != 0 && normal[2] != 0;
+      }
+    }
+  assert_int_equal(slanted, 2 * 24); /* the smooth cube's corners, though each face has UVs of its own */
+  scree_pack_close(pack);
+  free(bytes);
+}
+
+/* More vertices than are summed at once, and few places: every vertex shares its normal with others far away in the mesh. */
+static void coarse_normals_are_shared_across_batches(void** state) {
+  (void)state;
+  enum { VERTICES = 1000, TRIANGLES = 3000 };
+  static int16_t positions[VERTICES][3];
+  static uint8_t occlusion[VERTICES], surface[VERTICES][4];
+  static float uvs[VERTICES][2];
+  static uint32_t indices[3 * TRIANGLES];
+  uint64_t random = 1;
+  for (uint32_t v = 0; v < VERTICES; ++v) {
+    random = hash_mix(random + 1);
+    for (int axis = 0; axis < 3; ++axis) positions[v][axis] = (int16_t)((random >> (8 * axis)) % 7 * 1000);
+    surface[v][2] = 128;
+    surface[v][3] = (uint8_t)(random >> 40) % 3;
+  }
+  for (uint32_t i = 0; i < 3 * TRIANGLES; ++i) indices[i] = (uint32_t)((random = hash_mix(random + 1)) % VERTICES);
+  const lattice_mesh mesh = {.positions = positions,
+                             .occlusion = occlusion,
+                             .indices = indices,
+                             .surface = surface,
+                             .uvs = uvs,
+                             .vertex_count = VERTICES,
+                             .triangle_count = TRIANGLES};
+  rock_lod level;
+  assert_int_equal(plain_encode(&mesh, NULL, &level), SCREE_OK);
+  plain_mesh read;
+  assert_true(scree_rt_plain_mesh_read(level.blob, level.blob_size, VERTICES, TRIANGLES, SCREE_PACK_CLIFF, &read));
+  static scree_vertex plain[VERTICES], joined[VERTICES];
+  static uint32_t again[3 * TRIANGLES];
+  scree_rt_plain_mesh_decode(&read, plain, again, sizeof *again);
+  assert_memory_equal(again, indices, sizeof indices);
+  memcpy(joined, plain, sizeof plain);
+  static uint8_t groups[VERTICES];
+  for (uint32_t v = 0; v < VERTICES; ++v) {
+    groups[v] = surface[v][3];
+    memset(joined[v].normal, 0, sizeof joined[v].normal);
+  }
+  void* scratch = malloc(scree_rt_joined_normals_scratch(VERTICES));
+  scree_rt_joined_normals(joined, groups, VERTICES, indices, TRIANGLES, scratch);
+  free(scratch);
+  for (uint32_t v = 0; v < VERTICES; ++v) {
+    int16_t normal[3];
+    normal_of(plain, groups, indices, TRIANGLES, v, normal);
+    assert_memory_equal(normal, plain[v].normal, sizeof normal);
+    assert_memory_equal(normal, joined[v].normal, sizeof normal);
+  }
+  free(level.blob);
 }
 
 static void uvs_go_to_the_nearest_value_of_the_range(void** state) {
@@ -575,6 +671,8 @@ int main(void) {
       cmocka_unit_test(near_placements_are_near_in_the_file),
       cmocka_unit_test(bounds_of_a_time_hold_all_its_blocks),
       cmocka_unit_test(uvs_and_groups_come_back_from_both_codecs),
+      cmocka_unit_test(vertices_share_their_normal_by_place_and_group),
+      cmocka_unit_test(coarse_normals_are_shared_across_batches),
       cmocka_unit_test(uvs_go_to_the_nearest_value_of_the_range),
       cmocka_unit_test(digest_of_a_cliffs_mesh_is_what_the_format_says_and_sees_uvs_and_groups),
       cmocka_unit_test(what_needs_another_kind_refuses_a_cliff),

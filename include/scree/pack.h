@@ -198,8 +198,8 @@ SCREE_API scree_result scree_pack_get_part(const scree_pack* pack, uint32_t asse
 
 /* A cliff is a pack of models and more. Variant 0 is the cliff; its ages are the times at which it was kept, all with the same
  * origin. Variants 1.. are the blocks that fell, of one age each, positions relative to their centroid. At each time some of the
- * blocks lie about: placements say where. Vertices have UVs, see scree_pack_coarse_uvs; edges of cuts are sharp: vertices there are
- * not shared, so normals need no further data. */
+ * blocks lie about: placements say where. Vertices have UVs, see scree_pack_coarse_uvs; edges of cuts are sharp, because
+ * vertices share their normal only where they are at one place and have one smoothing group. */
 
 /* A block that lies somewhere: a place p of its mesh is at translation + p. Blocks are baked turned as they lie, so that no
  * instance has a rotation; one that lies otherwise at a later time is another block. 16 bytes. */
@@ -236,7 +236,7 @@ typedef struct scree_uv {
 } scree_uv;
 
 /* The UVs of the coarsest level of an asset of a cliff, and the smoothing groups of its vertices, in the order of the vertices of
- * scree_pack_coarse_mesh. Vertices at one place with different groups have normals of their own.
+ * scree_pack_coarse_mesh. Vertices at one place share their normal where their groups are the same.
  * uvs, groups: `capacity` elements, at least as many as scree_lod says; groups may be NULL. Returns SCREE_OK, CAPACITY,
  * INVALID_ARGUMENT (also for a pack of another kind) or CORRUPT. Allocates nothing. Thread-safe. */
 SCREE_API scree_result scree_pack_coarse_uvs(const scree_pack* pack, uint32_t asset, scree_uv* uvs, uint8_t* groups,
