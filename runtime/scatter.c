@@ -68,6 +68,12 @@ static void make_lattice(scree_scatter* s) {
   f->centroid_reach = (float)(side * 0.86602546 + s->sink);
 }
 
+void scree_rt_scatter_finish(scree_scatter* s) {
+  s->outer_radius *= (double)s->scale_max * 1.000001;
+  s->sink *= (double)s->scale_max * 1.000001 * s->slope;
+  make_lattice(s);
+}
+
 scree_result scree_scatter_create(const scree_scatter_desc* desc, const scree_allocator* given, scree_scatter** out,
                                   scree_error* error) {
   scree_rt_text_clear(error);
@@ -93,9 +99,7 @@ scree_result scree_scatter_create(const scree_scatter_desc* desc, const scree_al
   s->scale_min = desc->scale_max > 0 ? desc->scale_min : 1;
   s->scale_max = desc->scale_max > 0 ? desc->scale_max : 1;
   s->slope = tangent(desc->max_slope > 0 ? (double)desc->max_slope : 45);
-  s->outer_radius *= (double)s->scale_max * 1.000001;
-  s->sink *= (double)s->scale_max * 1.000001 * s->slope;
-  make_lattice(s);
+  scree_rt_scatter_finish(s);
   scree_rt_scatter_make_tiles(desc->seed, s->tiles);
   *out = s;
   return SCREE_OK;
@@ -106,6 +110,8 @@ void scree_scatter_destroy(scree_scatter* s) {
   const scree_allocator allocator = s->allocator;
   scree_rt_scatter_drop_models(s);
   scree_rt_release(&allocator, s->samples, s->sample_count, sizeof *s->samples);
+  scree_rt_release(&allocator, s->points, s->cliff_count, sizeof *s->points);
+  scree_support_destroy(s->ground);
   scree_rt_release(&allocator, s, 1, sizeof *s);
 }
 
@@ -124,7 +130,8 @@ uint64_t scree_rt_scatter_hash(const scree_scatter* s, int32_t x, int32_t z, uin
 }
 
 uint32_t scree_scatter_random(const scree_scatter* scatter, const scree_id* id) {
-  return (uint32_t)(scree_rt_scatter_hash(scatter, id->cube[0], id->cube[2], id->local) >> 32);
+  const uint64_t hash = scree_rt_scatter_hash(scatter, id->cube[0], id->cube[2], id->local);
+  return scatter->is_cliff ? scatter->turn_bits | (uint32_t)(hash >> 48) : (uint32_t)(hash >> 32);
 }
 
 void scree_scatter_turn(const scree_scatter* scatter, uint32_t random, float turn[2], float* scale) {

@@ -190,6 +190,13 @@ uint32_t scree_rt_scatter_code(const scree_scatter* scatter, int32_t x, int32_t 
 }
 
 bool scree_rt_scatter_steps(const scree_scatter* scatter, int32_t x, int32_t z, uint32_t local, int64_t steps[2]) {
+  if (scatter->is_cliff) {
+    const cliff_point* point = scree_rt_cliff_point(scatter, x, z, local);
+    if (point == NULL) return false;
+    steps[0] = point->steps[0];
+    steps[1] = point->steps[2];
+    return true;
+  }
   const scatter_tile* tile = &scatter->tiles[scree_rt_scatter_code(scatter, x, z)];
   if (local >= tile->count) return false;
   steps[0] = (int64_t)x * SCATTER_SIDE + tile->x[local];
@@ -255,6 +262,7 @@ static void look_at(search* s, int32_t x, int32_t z, uint32_t local) {
 }
 
 bool scree_rt_scatter_visit(const scatter_visit* v, bool (*found)(void* user, const scatter_found* instance), void* user) {
+  if (v->scatter->is_cliff) return scree_rt_cliff_visit(v, found, user);
   search s;
   int64_t low[2], high[2];
   if (!begin(&s, v, low, high)) return true;
@@ -299,6 +307,7 @@ static bool place(void* user, const scatter_found* found) {
 scree_result scree_scatter_fill(const scree_scatter* scatter, const scree_support* ground, const double min[3], const double max[3],
                                 scree_placement* placements, uint64_t capacity, uint64_t* count) {
   if (count != NULL) *count = 0;
+  if (scatter != NULL && scatter->is_cliff) ground = scatter->ground;
   if (scatter == NULL || ground == NULL || min == NULL || max == NULL || count == NULL || (placements == NULL && capacity > 0))
     return SCREE_ERROR_INVALID_ARGUMENT;
   bool everywhere = true;

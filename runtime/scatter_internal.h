@@ -4,6 +4,7 @@
  *   scatter.c          create, destroy; turns, sizes, hulls
  *   scatter_models.c   models, of the host's own or of a pack
  *   scatter_ground.c   where its instances stand: the search for the ground, the choice of models
+ *   cliff.c            scatters whose instances are the placements of a pack
  *   scene_scatter.c    layers of scenes that are scatters
  *
  * Scenes and streams see a scatter through its lattice: a field without rocks whose cubes are the tiles, one cell each, as high as
@@ -32,6 +33,14 @@ typedef struct scatter_part {
   float centre[3], radius;
 } scatter_part;
 
+/* An instance of a cliff. */
+typedef struct cliff_point {
+  int64_t steps[3];
+  int32_t tile[2]; /* of steps[0] and steps[2] */
+  uint32_t asset;
+  uint32_t number; /* in the pack */
+} cliff_point;
+
 struct scree_scatter {
   scree_allocator allocator;
   scree_field lattice;
@@ -54,12 +63,21 @@ struct scree_scatter {
   scree_filter age_mask; /* values: `samples` */
   float* samples;
   size_t sample_count;
+  /* Of cliffs only: */
+  bool is_cliff;
+  cliff_point* points; /* point k of a tile is its local k; by tile z, tile x, and then as in the pack */
+  uint32_t cliff_count;
+  uint32_t turn_bits;    /* of scree_scatter_random */
+  scree_support* ground; /* a box around all instances */
 };
 
 /* What a scatter takes from its descriptor or pack: models, variants, parts and points. Nothing is left behind on failure but what
  * scree_rt_scatter_drop_models releases. */
 scree_result scree_rt_scatter_copy_models(scree_scatter* scatter, const scree_scatter_desc* desc, scree_error* error);
 void scree_rt_scatter_drop_models(scree_scatter* scatter);
+
+/* What follows from unit, scales, slope and models; the last step of making a scatter. */
+void scree_rt_scatter_finish(scree_scatter* scatter);
 
 /* --- instances -------------------------------------------------------------------------------------------------------------- */
 
@@ -93,6 +111,13 @@ double scree_rt_scatter_ball(const scree_scatter* scatter, uint32_t part, uint32
 
 /* The model at a point, by weights, ages and its hash; steps as above. */
 uint32_t scree_rt_scatter_choose(const scree_scatter* scatter, uint64_t hash, const int64_t steps[2]);
+
+/* Of a cliff: the instance with this number in its tile, NULL where there is none; and scree_rt_scatter_visit. */
+const cliff_point* scree_rt_cliff_point(const scree_scatter* cliff, int32_t x, int32_t z, uint32_t local);
+struct scatter_visit;
+struct scatter_found;
+bool scree_rt_cliff_visit(const struct scatter_visit* visit, bool (*found)(void* user, const struct scatter_found* instance),
+                          void* user);
 
 /* --- the ground ------------------------------------------------------------------------------------------------------------- */
 

@@ -173,10 +173,11 @@ static scree_result copy_own(scree_scatter* s, const scree_scatter_desc* d, scre
 static scree_result measure_pack(scree_scatter* s, scree_error* error) {
   scree_pack_info info;
   scree_pack_get_info(s->pack, &info);
-  if (info.kind == SCREE_PACK_CLIFF)
-    return scree_rt_scatter_wrong(SCREE_ERROR_INVALID_ARGUMENT,
-                                  "pack: expected one of models, this is a cliff, whose blocks lie where they fell", error);
-  if (info.kind != SCREE_PACK_MODELS)
+  if (!s->is_cliff && info.kind == SCREE_PACK_CLIFF)
+    return scree_rt_scatter_wrong(
+        SCREE_ERROR_INVALID_ARGUMENT,
+        "pack: expected one of models, this is a cliff, whose blocks lie where they fell: see scree_cliff_create", error);
+  if (!s->is_cliff && info.kind != SCREE_PACK_MODELS)
     return scree_rt_scatter_wrong(SCREE_ERROR_INVALID_ARGUMENT, "pack: expected one of models", error);
   if (info.asset_count < 1 || info.asset_count > SCATTER_MOST_MODELS || info.lattice_per_cell < 1)
     return scree_rt_scatter_wrong(SCREE_ERROR_CORRUPT, "pack: too many models, or none", error);

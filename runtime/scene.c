@@ -36,14 +36,17 @@ static scree_result check_layer(const scree_scene_desc* desc, uint32_t index, si
     return wrong(SCREE_ERROR_INVALID_ARGUMENT, index, "field is NULL, and so is scatter", error);
   if (layer->field != NULL && layer->scatter != NULL)
     return wrong(SCREE_ERROR_INVALID_ARGUMENT, index, "it has a field and a scatter", error);
-  if (layer->support == NULL) return wrong(SCREE_ERROR_INVALID_ARGUMENT, index, "support is NULL", error);
+  const bool is_cliff = layer->scatter != NULL && layer->scatter->is_cliff;
+  if (is_cliff && layer->support != NULL && layer->support != layer->scatter->ground)
+    return wrong(SCREE_ERROR_INVALID_ARGUMENT, index, "a cliff has no support", error);
+  if (!is_cliff && layer->support == NULL) return wrong(SCREE_ERROR_INVALID_ARGUMENT, index, "support is NULL", error);
   if (!(layer->threshold >= 0 && layer->threshold < 1))
     return wrong_number(index, "threshold", (double)layer->threshold, "0 or more and less than 1", error);
   if (!(layer->shell_depth >= 0 && isfinite(layer->shell_depth)))
     return wrong_number(index, "shell_depth", (double)layer->shell_depth, "0 or more", error);
   if (layer->scatter != NULL && (layer->threshold != 0 || layer->shell_depth != 0))
     return wrong(SCREE_ERROR_INVALID_ARGUMENT, index, "a scatter has no threshold and no shell_depth", error);
-  if (layer->scatter != NULL && !scree_rt_scene_ground_ends(layer->support))
+  if (layer->scatter != NULL && !is_cliff && !scree_rt_scene_ground_ends(layer->support))
     return wrong(SCREE_ERROR_RANGE, index, "the ground of a scatter has to end somewhere above", error);
   if (!(layer->density >= 0 && layer->density <= 1)) return wrong_number(index, "density", (double)layer->density, "0..1", error);
   for (uint32_t k = 0; k < index && keys_are_given(desc); ++k)
@@ -106,6 +109,7 @@ static bool make_layer(scree_scene* scene, const scree_scene_desc* desc, uint32_
   scene_layer* layer = &scene->layers[index];
   layer->given = desc->layers[index];
   if (!keys_are_given(desc)) layer->given.key = (uint16_t)index;
+  if (layer->given.scatter != NULL && layer->given.scatter->is_cliff) layer->given.support = layer->given.scatter->ground;
   layer->told = layer->given;
   if (layer->given.scatter != NULL) layer->given.field = &layer->given.scatter->lattice;
   scree_rt_scene_measure(layer, scene->base);

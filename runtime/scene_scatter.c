@@ -126,11 +126,19 @@ bool scree_rt_scene_scatter_rock(const scene_layer* layer, const scree_id* id, c
   int64_t steps[2];
   if (!scree_rt_scatter_steps(s, id->cube[0], id->cube[2], id->local, steps)) return false;
   if (rock == NULL) return true;
-  const uint32_t model = packed != NULL
-                             ? scatter_model_of(*packed)
-                             : scree_rt_scatter_choose(s, scree_rt_scatter_hash(s, id->cube[0], id->cube[2], id->local), steps);
+  uint32_t known;
+  if (packed != NULL)
+    known = *packed;
+  else if (s->is_cliff) {
+    const cliff_point* point = scree_rt_cliff_point(s, id->cube[0], id->cube[2], id->local);
+    if (point->steps[1] >> SCATTER_SIDE_BITS != id->cube[1]) return false;
+    known = scatter_pack(point->asset, point->steps[1]);
+  } else
+    known = scatter_pack(scree_rt_scatter_choose(s, scree_rt_scatter_hash(s, id->cube[0], id->cube[2], id->local), steps),
+                         SCATTER_SIDE / 2);
+  const uint32_t model = scatter_model_of(known);
   double place[3];
-  scree_rt_scatter_place(s, id, packed != NULL ? *packed : scatter_pack(model, SCATTER_SIDE / 2), place);
+  scree_rt_scatter_place(s, id, known, place);
   for (int a = 0; a < 3; ++a) rock->position[a] = (float)((s->origin[a] - origin[a]) + place[a]);
   rock->asset = model;
   rock->id = *id;

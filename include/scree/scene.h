@@ -51,7 +51,8 @@ typedef struct scree_filter {
 typedef struct scree_layer {
   const scree_field* field;     /* rocks; or NULL, and */
   const scree_scatter* scatter; /* models on the ground that the support makes, which has to end somewhere above */
-  const scree_support* support;
+  const scree_support*
+      support;       /* NULL where the scatter is a cliff (cliff.h), and only there; scree_scene_layer then shows a box */
   uint16_t key;      /* goes into ids; unique in the scene. All zero in all layers = the layer's index */
   float threshold;   /* as in scree_query_desc; of a scatter 0 */
   float shell_depth; /* metres, > 0: rocks deeper below the surface do not exist; 0 = they do; of a scatter 0 */
