@@ -482,6 +482,50 @@ static void what_broke_off_weighs_no_more(void** unused) {
   free_scene(&s);
 }
 
+static void a_simulation_breaks_what_the_rule_says(void** unused) {
+  (void)unused;
+  const uint32_t size[3] = {9, 6, 5};
+  uint64_t overloaded = 0;
+  for (uint64_t seed = 1; seed <= 6; ++seed) {
+    scree_shards* shards = make_lattice(size, seed, NULL);
+    uint8_t* states = calloc(shards->view.shard_count, 1);
+    assert_non_null(states);
+    for (uint32_t i = 0; i < shards->view.shard_count; ++i)
+      if (i % 9 == 0) states[i] = SCREE_SHARD_CORE; /* the wall at its back */
+    scree_frost_desc desc = {.shards = shards, .states = states, .random_seed = seed};
+    scree_frost_rules_default(&desc.rules);
+    desc.rules.strength = 3e6;
+    desc.rules.stability_interval = 4;
+    scree_frost* frost;
+    assert_int_equal(scree_frost_create(&desc, &frost, NULL), SCREE_OK);
+    for (int k = 0; k < 20; ++k) {
+      assert_int_equal(scree_frost_step(frost, 200), SCREE_OK);
+      assert_int_equal(scree_frost_check_stability(frost), 0);
+      assert_int_equal(frost_stability_break(frost), 0);
+    }
+    scree_frost_stats stats;
+    scree_frost_get_stats(frost, &stats);
+    overloaded += stats.overloaded;
+    assert_int_equal(stats.core, 30);
+
+    /* Rules without strength never ask; stronger gravity of heavier rock breaks more. */
+    desc.rules.strength = 0;
+    assert_int_equal(scree_frost_set_rules(frost, &desc.rules, NULL), SCREE_OK);
+    assert_int_equal(scree_frost_check_stability(frost), 0);
+    desc.rules.strength = 1;
+    assert_int_equal(scree_frost_set_rules(frost, &desc.rules, NULL), SCREE_OK);
+    if (stats.solid > 0) assert_true(scree_frost_check_stability(frost) > 0);
+    frost_stability_break(frost);
+    scree_frost_get_stats(frost, &stats);
+    assert_int_equal(stats.solid, 0);
+    assert_int_equal(scree_frost_check_stability(frost), 0);
+    scree_frost_destroy(frost);
+    free_lattice(shards);
+    free(states);
+  }
+  assert_true(overloaded > 0);
+}
+
 static void every_allocation_may_fail(void** unused) {
   (void)unused;
   const uint32_t size[3] = {3, 3, 3};
@@ -519,6 +563,7 @@ int main(void) {
       cmocka_unit_test(what_no_link_joins_to_support_is_left_alone),
       cmocka_unit_test(gravity_may_point_anywhere),
       cmocka_unit_test(what_broke_off_weighs_no_more),
+      cmocka_unit_test(a_simulation_breaks_what_the_rule_says),
       cmocka_unit_test(every_allocation_may_fail),
   };
   return cmocka_run_group_tests_name("frost_stability", tests, NULL, NULL);

@@ -1,0 +1,67 @@
+/* Where blocks come to rest: what rubble.c sets up and rubble_settle.c moves. The frame is that of rubble: y up, against gravity.
+ */
+#ifndef SCREE_RUBBLE_INTERNAL_H
+#define SCREE_RUBBLE_INTERNAL_H
+
+#include <scree/frost.h>
+
+#include "random.h"
+#include "rubble_dexels.h"
+#include "rubble_hull.h"
+
+/* What of a simulation is looked at. */
+typedef struct rubble_input {
+  const scree_shards_view* view;
+  const uint8_t* states;
+  const scree_block* blocks;
+  const uint32_t* block_shards;
+  uint32_t block_count;
+  double gravity[3]; /* unit */
+} rubble_input;
+
+struct scree_rubble {
+  scree_allocator allocator;
+  scree_resting_block* blocks;
+  uint32_t count, capacity;
+};
+
+scree_result rubble_settle(const rubble_input* input, const scree_rubble_desc* desc, scree_rubble** out, scree_error* error);
+
+/* A column under a block that is turned some way. Heights are relative to its centre of mass; the column, to the one it is in. */
+typedef struct rubble_cell {
+  double low, high;         /* of the hull over the column's middle, and of its corners within the column */
+  double mid_low, mid_high; /* over the middle alone; low > high where the middle is not under the hull */
+  int32_t column[2];
+} rubble_cell;
+
+/* A block's columns, of its hull turned by `turn`, its centre of mass at `part` of a column. */
+typedef struct rubble_raster {
+  rubble_cell* cells;
+  uint32_t count, capacity;
+} rubble_raster;
+
+typedef struct rubble_pose {
+  int32_t column[2];
+  double part[2]; /* 0..1: where in the column */
+  double height;
+  double turn[4]; /* unit quaternion x, y, z, w */
+} rubble_pose;
+
+typedef struct rubble_mover {
+  dexels* solid;
+  const rubble_hull* hull;
+  double slope;             /* tangent at which this block still moves */
+  double give;              /* what a block may be in others while it moves */
+  rubble_raster rasters[2]; /* of the pose; of what is tried */
+  random_stream stream;
+} rubble_mover;
+
+/* Moves a block from where it was until it rests. push: in the frame of rubble. Returns false when it rolled off the grid. */
+bool rubble_move(rubble_mover* mover, rubble_pose* pose, const double push[3]);
+
+/* Fills rasters[0] for a pose. */
+void rubble_rasterise(const rubble_mover* mover, const double turn[4], const double part[2], rubble_raster* out);
+
+void rubble_rotate(const double turn[4], const double from[3], double out[3]);
+
+#endif

@@ -1,0 +1,341 @@
+/* One block on its way: out of the rock, down, onto a face, down the slope, and turned until its centre of mass is as low as it can
+ * be there, which is what it is to lie still. Everything is asked of the columns under its hull. */
+#include <math.h>
+#include <string.h>
+
+#include "rubble_internal.h"
+
+enum { DIRECTIONS = 8, LOOK_AHEAD = 6 };
+
+static const int32_t directions[DIRECTIONS][2] = {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}};
+
+static double step_length(const rubble_mover* m, int direction) {
+  return m->solid->size * (direction % 2 ? sqrt(2.0) : 1);
+}
+
+void rubble_rotate(const double q[4], const double p[3], double out[3]) {
+  const double t[3] = {2 * (q[1] * p[2] - q[2] * p[1]), 2 * (q[2] * p[0] - q[0] * p[2]), 2 * (q[0] * p[1] - q[1] * p[0])};
+  out[0] = p[0] + q[3] * t[0] + q[1] * t[2] - q[2] * t[1];
+  out[1] = p[1] + q[3] * t[1] + q[2] * t[0] - q[0] * t[2];
+  out[2] = p[2] + q[3] * t[2] + q[0] * t[1] - q[1] * t[0];
+}
+
+/* First b, then a; unit again. */
+static void turn_by(const double a[4], const double b[4], double out[4]) {
+  const double q[4] = {a[3] * b[0] + a[0] * b[3] + a[1] * b[2] - a[2] * b[1], a[3] * b[1] - a[0] * b[2] + a[1] * b[3] + a[2] * b[0],
+                       a[3] * b[2] + a[0] * b[1] - a[1] * b[0] + a[2] * b[3],
+                       a[3] * b[3] - a[0] * b[0] - a[1] * b[1] - a[2] * b[2]};
+  const double length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+  for (int i = 0; i < 4; ++i) out[i] = q[i] / length;
+}
+
+/* --- columns under a block ------------------------------------------------------------------------------------------------------
+ */
+
+static void widen(rubble_cell* cell, double height) {
+  if (height < cell->low) cell->low = height;
+  if (height > cell->high) cell->high = height;
+}
+
+/* The middles of columns under one triangle. places: its corners, in columns across and lengths upwards. */
+static void cover(const double a[3], const double b[3], const double c[3], const int32_t from[2], const int32_t side[2],
+                  rubble_cell* cells) {
+  const double area = (b[0] - a[0]) * (c[2] - a[2]) - (b[2] - a[2]) * (c[0] - a[0]);
+  if (!(area > 1e-9 || area < -1e-9)) return;
+  double low[2], high[2];
+  for (int axis = 0; axis < 2; ++axis) {
+    const double u = a[2 * axis], v = b[2 * axis], w = c[2 * axis];
+    low[axis] = floor((u < v ? (u < w ? u : w) : (v < w ? v : w)) - 0.5);
+    high[axis] = floor((u > v ? (u > w ? u : w) : (v > w ? v : w)) + 0.5);
+    if (low[axis] < from[axis]) low[axis] = from[axis];
+    if (high[axis] > from[axis] + side[axis] - 1) high[axis] = from[axis] + side[axis] - 1;
+  }
+  for (int32_t k = (int32_t)low[1]; k <= (int32_t)high[1]; ++k)
+    for (int32_t i = (int32_t)low[0]; i <= (int32_t)high[0]; ++i) {
+      const double x = i + 0.5, z = k + 0.5;
+      const double wa = ((b[0] - x) * (c[2] - z) - (b[2] - z) * (c[0] - x)) / area;
+      const double wb = ((c[0] - x) * (a[2] - z) - (c[2] - z) * (a[0] - x)) / area, wc = 1 - wa - wb;
+      if (wa < -1e-9 || wb < -1e-9 || wc < -1e-9) continue;
+      const double height = wa * a[1] + wb * b[1] + wc * c[1];
+      rubble_cell* cell = &cells[(i - from[0]) + side[0] * (k - from[1])];
+      if (height < cell->mid_low) cell->mid_low = height;
+      if (height > cell->mid_high) cell->mid_high = height;
+    }
+}
+
+void rubble_rasterise(const rubble_mover* m, const double turn[4], const double part[2], rubble_raster* out) {
+  const rubble_hull* hull = m->hull;
+  double places[HULL_POINTS][3], low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
+  for (uint32_t p = 0; p < hull->point_count; ++p) {
+    rubble_rotate(turn, hull->points[p], places[p]);
+    for (int axis = 0; axis < 2; ++axis) {
+      places[p][2 * axis] = places[p][2 * axis] / m->solid->size + part[axis];
+      if (places[p][2 * axis] < low[axis]) low[axis] = places[p][2 * axis];
+      if (places[p][2 * axis] > high[axis]) high[axis] = places[p][2 * axis];
+    }
+  }
+  int32_t from[2], side[2];
+  for (int axis = 0; axis < 2; ++axis) {
+    from[axis] = (int32_t)floor(low[axis]);
+    side[axis] = (int32_t)floor(high[axis]) - from[axis] + 1;
+  }
+  const uint32_t all = (uint32_t)(side[0] * side[1]);
+  for (uint32_t c = 0; c < all; ++c)
+    out->cells[c] =
+        (rubble_cell){INFINITY, -INFINITY, INFINITY, -INFINITY, {from[0] + (int32_t)c % side[0], from[1] + (int32_t)c / side[0]}};
+  for (uint32_t t = 0; t < hull->triangle_count; ++t) {
+    const uint8_t* corner = hull->triangles[t];
+    cover(places[corner[0]], places[corner[1]], places[corner[2]], from, side, out->cells);
+  }
+  for (uint32_t c = 0; c < all; ++c) {
+    out->cells[c].low = out->cells[c].mid_low;
+    out->cells[c].high = out->cells[c].mid_high;
+  }
+  for (uint32_t p = 0; p < hull->point_count; ++p) {
+    const int32_t i = (int32_t)floor(places[p][0]) - from[0], k = (int32_t)floor(places[p][2]) - from[1];
+    widen(&out->cells[i + side[0] * k], places[p][1]);
+  }
+  out->count = 0;
+  for (uint32_t c = 0; c < all; ++c)
+    if (out->cells[c].low <= out->cells[c].high) out->cells[out->count++] = out->cells[c];
+}
+
+typedef enum fit { FIT_FREE, FIT_BLOCKED, FIT_OUT } fit;
+
+/* Whether a block fits at a place, and how high it lies when it drops from there. */
+static fit fits(const rubble_mover* m, const rubble_raster* raster, const int32_t column[2], double height, double* rest) {
+  const dexels* d = m->solid;
+  double floor_height = -INFINITY;
+  for (uint32_t c = 0; c < raster->count; ++c) {
+    const rubble_cell* cell = &raster->cells[c];
+    const int32_t i = column[0] + cell->column[0], k = column[1] + cell->column[1];
+    if (i < 0 || k < 0 || i >= (int32_t)d->count[0] || k >= (int32_t)d->count[1]) return FIT_OUT;
+    const double low = height + cell->low + m->give;
+    double high = height + cell->high - m->give;
+    if (high < low) high = low;
+    double top = -INFINITY;
+    for (uint32_t n = d->first[(uint32_t)i + d->count[0] * (uint32_t)k]; n != DEXEL_END; n = d->pool[n].next) {
+      if (d->pool[n].low >= high) break;
+      if (d->pool[n].high > low) return FIT_BLOCKED;
+      top = d->pool[n].high;
+    }
+    if (top - cell->low > floor_height) floor_height = top - cell->low;
+  }
+  *rest = floor_height;
+  return FIT_FREE;
+}
+
+/* --- ways -------------------------------------------------------------------------------------------------------------------- */
+
+/* Out of the rock it was part of: along its push, else sideways or up, the nearest first. */
+static bool push_out(const rubble_mover* m, rubble_pose* pose, const double push[3]) {
+  const dexels* d = m->solid;
+  double rest;
+  const uint32_t far = (uint32_t)(4 * m->hull->size / d->size) + 8;
+  for (uint32_t n = 0; n <= far; ++n) {
+    const int32_t at[2] = {pose->column[0] + (int32_t)floor(n * push[0] + 0.5),
+                           pose->column[1] + (int32_t)floor(n * push[2] + 0.5)};
+    const double height = pose->height + n * push[1] * d->size;
+    const fit f = fits(m, &m->rasters[0], at, height, &rest);
+    if (f == FIT_OUT) return false;
+    if (f == FIT_FREE) {
+      pose->column[0] = at[0];
+      pose->column[1] = at[1];
+      pose->height = height;
+      return true;
+    }
+  }
+  for (uint32_t n = 1;; ++n) {
+    for (int k = 0; k <= DIRECTIONS; ++k) {
+      int32_t at[2] = {pose->column[0], pose->column[1]};
+      double height = pose->height;
+      if (k == DIRECTIONS) {
+        height += n * d->size;
+      } else {
+        if (n > far) continue;
+        at[0] += (int32_t)n * directions[k][0];
+        at[1] += (int32_t)n * directions[k][1];
+      }
+      const fit f = fits(m, &m->rasters[0], at, height, &rest);
+      if (f == FIT_OUT && k == DIRECTIONS) return false;
+      if (f != FIT_FREE) continue;
+      pose->column[0] = at[0];
+      pose->column[1] = at[1];
+      pose->height = height;
+      return true;
+    }
+  }
+}
+
+static void swap_rasters(rubble_mover* m) {
+  const rubble_raster swap = m->rasters[0];
+  m->rasters[0] = m->rasters[1];
+  m->rasters[1] = swap;
+}
+
+/* Turns it as given, lifted if it must be. Returns whether there was room. */
+static bool try_turn(rubble_mover* m, rubble_pose* pose, const double turn[4]) {
+  rubble_rasterise(m, turn, pose->part, &m->rasters[1]);
+  for (int lift = 0; lift < 3; ++lift) {
+    double rest;
+    if (fits(m, &m->rasters[1], pose->column, pose->height + lift * 0.5 * m->hull->radius, &rest) != FIT_FREE) continue;
+    memcpy(pose->turn, turn, sizeof pose->turn);
+    pose->height = rest;
+    swap_rasters(m);
+    return true;
+  }
+  return false;
+}
+
+/* Lays it on one of its largest faces, spun about the vertical. */
+static void lie_down(rubble_mover* m, rubble_pose* pose) {
+  const rubble_hull* hull = m->hull;
+  uint32_t good = 0;
+  while (good < hull->face_count && good < 3 && hull->faces[good].area > 0.5 * hull->faces[0].area) ++good;
+  if (good == 0) return;
+  const uint32_t first = (uint32_t)(random_unit(&m->stream) * good);
+  for (uint32_t attempt = 0; attempt < 6; ++attempt) {
+    const double* n = hull->faces[(first + attempt / 3) % good].normal;
+    /* The turn that takes n to straight down: half way between it and down. */
+    double down[4] = {n[2], 0, -n[0], 1 - n[1]}, spin[4] = {0, 1, 0, 0}, turn[4];
+    if (down[3] < 1e-6) {
+      down[0] = 1;
+      down[2] = down[3] = 0;
+    }
+    for (;;) {
+      const double x = 2 * random_unit(&m->stream) - 1, y = 2 * random_unit(&m->stream) - 1;
+      if (x * x + y * y > 1 || x * x + y * y < 1e-3) continue;
+      spin[1] = x;
+      spin[3] = y;
+      break;
+    }
+    turn_by(spin, down, turn);
+    if (try_turn(m, pose, turn)) return;
+  }
+}
+
+/* Goes `steps` columns in a direction, up by at most `climb` at each. Returns whether there is a way; height: there. */
+static fit walk(const rubble_mover* m, const rubble_pose* pose, int direction, uint32_t steps, double climb, double* height) {
+  int32_t at[2] = {pose->column[0], pose->column[1]};
+  double now = pose->height;
+  for (uint32_t s = 0; s < steps; ++s) {
+    at[0] += directions[direction][0];
+    at[1] += directions[direction][1];
+    double rest;
+    fit f = fits(m, &m->rasters[0], at, now, &rest);
+    if (f == FIT_BLOCKED && climb > 0) f = fits(m, &m->rasters[0], at, now + climb, &rest);
+    if (f != FIT_FREE) return f;
+    if (rest > pose->height + climb) return FIT_BLOCKED;
+    now = rest;
+  }
+  *height = now;
+  return FIT_FREE;
+}
+
+static void go(rubble_pose* pose, int direction, uint32_t steps, double height) {
+  pose->column[0] += (int32_t)steps * directions[direction][0];
+  pose->column[1] += (int32_t)steps * directions[direction][1];
+  pose->height = height;
+}
+
+/* Down the steepest way while it is steeper than `slope`, and on a little by what it fell: farther for larger blocks. Looks a few
+ * columns ahead, over bumps that are small to it. Returns false when it left the grid. */
+static bool roll(const rubble_mover* m, rubble_pose* pose, bool* moved) {
+  const double size = m->hull->size, most = 1.2 * size, climb = 0.2 * size / m->slope;
+  double energy = 0;
+  int heading = -1;
+  *moved = false;
+  const uint32_t far = 4 * (m->solid->count[0] + m->solid->count[1]);
+  for (uint32_t n = 0; n < far; ++n) {
+    double steepest = m->slope, there = 0;
+    int way = -1;
+    uint32_t steps = 0;
+    for (uint32_t look = 1; look <= LOOK_AHEAD && way < 0; ++look) {
+      if (look > 1 && (look - 1) * m->solid->size > 1.5 * size) break;
+      for (int k = 0; k < DIRECTIONS; ++k) {
+        double height;
+        const fit f = walk(m, pose, k, look, look > 1 ? climb : 0, &height);
+        if (f == FIT_OUT) return false;
+        if (f != FIT_FREE) continue;
+        const double slope = (pose->height - height) / (look * step_length(m, k));
+        if (slope <= steepest) continue;
+        steepest = slope;
+        there = height;
+        way = k;
+        steps = look;
+      }
+    }
+    if (way >= 0) {
+      const double drop = pose->height - there, length = steps * step_length(m, way);
+      energy += drop > 2 * size ? 0.3 * drop : drop - m->slope * length;
+      if (energy > most) energy = most;
+    } else {
+      if (heading < 0 || !(energy > 0)) return true;
+      for (int k = 0; k < 3; ++k) {
+        static const int beside[3] = {0, 1, DIRECTIONS - 1};
+        const int to = (heading + beside[k]) % DIRECTIONS;
+        double height;
+        const fit f = walk(m, pose, to, 1, energy < 0.3 * size ? energy : 0.3 * size, &height);
+        if (f == FIT_OUT) return false;
+        if (f != FIT_FREE || (way >= 0 && height >= there)) continue;
+        way = to;
+        there = height;
+      }
+      if (way < 0) return true;
+      steps = 1;
+      energy -= m->slope * step_length(m, way) + (there - pose->height);
+      if (energy < 0) return true;
+    }
+    heading = way;
+    go(pose, way, steps, there);
+    *moved = true;
+  }
+  return true;
+}
+
+/* Tries it turned by `angle`, the tangent of half the turn, so that the side towards `direction` goes down, and moved that way by
+ * `steps` columns. Keeps it where its centre of mass is lower than `best`. */
+static bool try_tip(rubble_mover* m, const rubble_pose* pose, int direction, double angle, int steps, rubble_pose* best) {
+  const double part = angle * (direction % 2 ? sqrt(0.5) : 1);
+  const double by[4] = {part * directions[direction][1], 0, -part * directions[direction][0], 1};
+  rubble_pose tried = *pose;
+  turn_by(by, pose->turn, tried.turn);
+  for (int axis = 0; axis < 2; ++axis) tried.column[axis] += steps * directions[direction][axis];
+  rubble_rasterise(m, tried.turn, tried.part, &m->rasters[1]);
+  if (fits(m, &m->rasters[1], tried.column, pose->height + angle * m->hull->radius, &tried.height) != FIT_FREE) return false;
+  if (!(tried.height < best->height)) return false;
+  *best = tried;
+  return true;
+}
+
+/* Turns it about level axes while that brings its centre of mass down, where it must with a step aside: it then lies on three
+ * places at least, or against a wall. */
+static void tip(rubble_mover* m, rubble_pose* pose) {
+  for (double angle = 0.14; angle > 0.01; angle *= 0.5)
+    for (int round = 0; round < 12; ++round) {
+      rubble_pose best = *pose;
+      best.height -= 1e-3 * m->hull->size;
+      bool found = false;
+      for (int steps = 0; steps < 2 && !found; ++steps)
+        for (int k = 0; k < DIRECTIONS; ++k) found |= try_tip(m, pose, k, angle, steps, &best);
+      if (!found) break;
+      *pose = best;
+      rubble_rasterise(m, pose->turn, pose->part, &m->rasters[0]);
+    }
+}
+
+bool rubble_move(rubble_mover* m, rubble_pose* pose, const double push[3]) {
+  rubble_rasterise(m, pose->turn, pose->part, &m->rasters[0]);
+  if (!push_out(m, pose, push)) return false;
+  double rest;
+  if (fits(m, &m->rasters[0], pose->column, pose->height, &rest) != FIT_FREE) return false;
+  pose->height = rest;
+  lie_down(m, pose);
+  for (int round = 0; round < 4; ++round) {
+    bool moved;
+    if (!roll(m, pose, &moved)) return false;
+    if (round > 0 && !moved) break;
+    tip(m, pose);
+  }
+  return true;
+}
