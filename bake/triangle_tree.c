@@ -170,7 +170,7 @@ bool triangle_tree_meets(const triangle_tree* tree, const double start[3], const
 /* --- Distances. --- */
 
 /* Ericson, Real-Time Collision Detection, 2004, section 5.1.5. */
-double triangle_distance2(const double p[3], const double a[3], const double b[3], const double c[3]) {
+double distance2_to_triangle(const double p[3], const double a[3], const double b[3], const double c[3]) {
   double ab[3], ac[3], ap[3], rest[3];
   minus(b, a, ab);
   minus(c, a, ac);
@@ -229,7 +229,7 @@ double triangle_tree_distance2(const triangle_tree* tree, const double point[3])
     const tree_node* node = &tree->nodes[stack[held].node];
     for (uint32_t i = node->first; i < node->first + node->count; ++i) {
       const uint32_t* c = tree->indices + (size_t)3 * tree->order[i];
-      const double d2 = triangle_distance2(point, tree->positions + (size_t)3 * c[0], tree->positions + (size_t)3 * c[1],
+      const double d2 = distance2_to_triangle(point, tree->positions + (size_t)3 * c[0], tree->positions + (size_t)3 * c[1],
                                            tree->positions + (size_t)3 * c[2]);
       if (d2 < least) least = d2;
     }

@@ -33,6 +33,6 @@ bool triangle_tree_meets(const triangle_tree* tree, const double start[3], const
 double triangle_tree_distance2(const triangle_tree* tree, const double point[3]);
 
 /* Squared distance from p to triangle abc. */
-double triangle_distance2(const double p[3], const double a[3], const double b[3], const double c[3]);
+double distance2_to_triangle(const double p[3], const double a[3], const double b[3], const double c[3]);
 
 #endif

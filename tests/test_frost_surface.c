@@ -388,7 +388,7 @@ static void trees_answer_as_all_triangles_do(void** state) {
     for (uint32_t a = 0; a < 3; ++a) p[a] = 14 * random_unit(&r) - 2, d[a] = random_below(&r, 4) ? 2 * random_unit(&r) - 1 : 0;
     for (uint32_t t = 0; t < TRIANGLES; ++t) {
       const double* c = positions + 9 * t;
-      const double d2 = triangle_distance2(p, c, c + 3, c + 6);
+      const double d2 = distance2_to_triangle(p, c, c + 3, c + 6);
       if (d2 < least) least = d2;
       any = any || twin_ray_meets(c, p, d, 20);
     }
@@ -438,6 +438,58 @@ static void failed_allocations_leave_nothing_behind(void** state) {
   free_lattice(c.shards);
 }
 
+/* --- of a simulation --------------------------------------------------------------------------------------------------------- */
+
+static void what_stands_and_every_block_have_a_surface(void** state) {
+  (void)state;
+  scree_shards* shards = make_lattice((const uint32_t[3]){6, 6, 6}, 3, NULL);
+  scree_frost_desc desc = {.shards = shards, .random_seed = 2};
+  scree_frost_rules_default(&desc.rules);
+  desc.rules.fall_life = 0.3; /* some blocks of several shards */
+  scree_frost* frost;
+  assert_int_equal(scree_frost_create(&desc, &frost, NULL), SCREE_OK);
+  assert_int_equal(scree_frost_run(frost, 0.6, 1000000, NULL, NULL), SCREE_OK);
+  const scree_block* blocks;
+  const uint32_t* list;
+  const uint32_t count = scree_frost_blocks(frost, &blocks, &list);
+  assert_true(count > 5);
+  scree_frost_stats stats;
+  scree_frost_get_stats(frost, &stats);
+  scree_frost_surface surface;
+  for (uint32_t b = 0; b <= count; ++b) {
+    const bool standing = b == count;
+    assert_int_equal(scree_frost_surface_create(frost, standing ? UINT32_MAX : b, NULL, &surface), SCREE_OK);
+    check_places(&surface);
+    const uint32_t triangles = surface.solid_triangles + surface.cut_triangles;
+    assert_true(triangles >= 4 && surface.cut_triangles > 0);
+    double* positions = malloc(3 * surface.vertex_count * sizeof *positions);
+    if (positions == NULL) abort();
+    for (uint32_t v = 0; v < surface.vertex_count; ++v)
+      for (uint32_t a = 0; a < 3; ++a) positions[3 * v + a] = (double)surface.vertices[v].position[a];
+    const double want = standing ? stats.volume : blocks[b].volume;
+    assert_true(fabs(twin_volume(positions, surface.indices, triangles) - want) < 1e-5 * want);
+    /* A block's places are relative to its centroid. */
+    double low = INFINITY, high = -INFINITY;
+    for (uint32_t v = 0; v < surface.vertex_count; ++v) low = fmin(low, positions[3 * v]), high = fmax(high, positions[3 * v]);
+    assert_true(low < 0 && high > 0);
+    free(positions);
+    scree_frost_surface_free(NULL, &surface);
+  }
+  assert_int_equal(scree_frost_surface_create(frost, count, NULL, &surface), SCREE_ERROR_INVALID_ARGUMENT);
+  assert_int_equal(scree_frost_surface_create(NULL, UINT32_MAX, NULL, &surface), SCREE_ERROR_INVALID_ARGUMENT);
+  for (int32_t fail_at = 0;; ++fail_at) {
+    failing_allocator f = {.fail_at = fail_at};
+    const scree_allocator allocator = failing_allocator_of(&f);
+    const scree_result result = scree_frost_surface_create(frost, UINT32_MAX, &allocator, &surface);
+    assert_int_equal(result, f.failed ? SCREE_ERROR_OUT_OF_MEMORY : SCREE_OK);
+    scree_frost_surface_free(&allocator, &surface);
+    assert_int_equal(f.live, 0);
+    if (!f.failed) break;
+  }
+  scree_frost_destroy(frost);
+  free_lattice(shards);
+}
+
 static void nothing_inside_has_no_surface(void** state) {
   (void)state;
   scree_shards* shards = make_lattice((const uint32_t[3]){2, 2, 2}, 0, NULL);
@@ -462,6 +514,7 @@ int main(void) {
       cmocka_unit_test(trees_answer_as_all_triangles_do),
       cmocka_unit_test(surfaces_repeat_to_the_bit),
       cmocka_unit_test(failed_allocations_leave_nothing_behind),
+      cmocka_unit_test(what_stands_and_every_block_have_a_surface),
       cmocka_unit_test(nothing_inside_has_no_surface),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
