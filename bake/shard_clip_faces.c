@@ -73,6 +73,11 @@ typedef struct face_maker {
 /* --- What is inside. --- */
 
 static scree_result place_of(const face_maker* f, const double at[3], bool* inside, bool* sure) {
+  const clip_box* solid = &f->work->solid;
+  *inside = false;
+  *sure = true;
+  for (int axis = 0; axis < 3; ++axis)
+    if (at[axis] < solid->min[axis] || at[axis] > solid->max[axis]) return SCREE_OK;
   const clip_place place = clip_rays_place(&f->rays, at);
   *sure = place != CLIP_UNSURE;
   *inside = place == CLIP_INSIDE;
@@ -81,18 +86,17 @@ static scree_result place_of(const face_maker* f, const double at[3], bool* insi
 
 static scree_result find_states(face_maker* f) {
   clip_work* work = f->work;
-  const clip_box* solid = &work->solid;
   for (uint32_t seed = 0; seed < work->input->seed_count; ++seed) {
     const double* at = &work->input->seeds[3 * (size_t)seed];
     if (f->part_first[seed] < f->part_first[seed + 1]) {
       f->states[seed] = CELL_CUT;
       continue;
     }
-    bool inside = true, sure = true;
-    for (int axis = 0; axis < 3; ++axis) inside = inside && at[axis] > solid->min[axis] && at[axis] < solid->max[axis];
-    if (inside) {
-      scree_result result = place_of(f, at, &inside, &sure);
-      if (result == SCREE_OK && !sure && work->lists[seed].reach2 == 0) result = clip_near_find(work, seed, 0);
+    bool inside, sure;
+    scree_result result = place_of(f, at, &inside, &sure);
+    if (result != SCREE_OK) return result;
+    if (!sure) {
+      if (work->lists[seed].reach2 == 0) result = clip_near_find(work, seed, 0);
       if (result != SCREE_OK) return result;
       /* Nowhere is the surface nearer than half the way to the nearest seed, but straight below an edge there may be doubt. */
       for (uint32_t k = 0; !sure && k < work->lists[seed].count && k < 16; ++k) {
@@ -467,6 +471,13 @@ static scree_result make_faces_within(face_maker* f, uint32_t seed, const clip_b
   f->piece_count = f->name_count = 0;
   scree_result result = voronoi_cell_make(&f->cell, &work->grid, seed, &bounds, work->allocator);
   if (result != SCREE_OK) return result;
+  /* No surface crosses the sides of the box: each is inside or outside as a whole. */
+  for (uint32_t k = f->cell.face_count; k-- > 0 && f->cell.faces[k].neighbour >= VORONOI_WALL;) {
+    bool inside = f->states[seed] == CELL_INSIDE;
+    if (!inside) result = face_place(f, &f->cell.faces[k], false, &inside);
+    f->touched = f->touched || inside;
+    if (result != SCREE_OK || f->touched) return result;
+  }
   const uint32_t* segments = f->segment_order;
   uint32_t at = f->segment_first[seed];
   const uint32_t end = f->segment_first[seed + 1];
@@ -484,17 +495,16 @@ static scree_result make_faces_within(face_maker* f, uint32_t seed, const clip_b
 static scree_result make_cell(face_maker* f, uint32_t seed) {
   clip_work* work = f->work;
   const double* at = &work->input->seeds[3 * (size_t)seed];
-  clip_box box = f->states[seed] == CELL_INSIDE ? work->solid : work->boxes[seed];
-  double margin = 0.1 * work->spacing;
+  /* About as large as a cell: rather once more than a cell cut by what it would never reach. */
+  clip_box box = work->boxes[seed];
+  double margin = 1.6 * work->spacing;
   if (f->states[seed] == CELL_CUT && work->lists[seed].count > 0) {
     const clip_near_list* list = &work->lists[seed];
-    margin = sqrt(work->near[list->first + (list->count < 14 ? list->count - 1 : 13)].distance2);
+    margin = sqrt(work->near[list->first + (list->count > 8 ? 8 : list->count - 1)].distance2);
   }
   for (int axis = 0; axis < 3; ++axis) {
-    if (at[axis] < box.min[axis]) box.min[axis] = at[axis];
-    if (at[axis] > box.max[axis]) box.max[axis] = at[axis];
-    box.min[axis] -= margin;
-    box.max[axis] += margin;
+    box.min[axis] = (at[axis] < box.min[axis] ? at[axis] : box.min[axis]) - margin;
+    box.max[axis] = (at[axis] > box.max[axis] ? at[axis] : box.max[axis]) + margin;
   }
   for (;;) {
     const scree_result result = make_faces_within(f, seed, &box);

@@ -115,8 +115,8 @@ static scree_result walk(clip_work* work, const double at[3], uint32_t* cell) {
   for (;;) {
     const double* seed = &work->input->seeds[3 * (size_t)*cell];
     const double d[3] = {at[0] - seed[0], at[1] - seed[1], at[2] - seed[2]}, d2 = dot(d, d), reach2 = 4 * d2 * (1 + 1e-9);
-    if (work->lists[*cell].reach2 <= reach2) {
-      const scree_result result = clip_near_find(work, *cell, reach2);
+    if (work->lists[*cell].reach2 == 0) {
+      const scree_result result = clip_near_find(work, *cell, 0);
       if (result != SCREE_OK) return result;
     }
     const clip_near_list* list = &work->lists[*cell];
@@ -132,19 +132,82 @@ static scree_result walk(clip_work* work, const double at[3], uint32_t* cell) {
       }
       unsure = unsure || fabs(by) <= error;
     }
-    if (best == CLIP_NONE) return unsure ? SCREE_ERROR_UNSUPPORTED : SCREE_OK;
-    *cell = best;
+    if (best != CLIP_NONE) {
+      *cell = best;
+    } else if (list->reach2 <= reach2) {
+      const scree_result result = clip_near_find(work, *cell, reach2);
+      if (result != SCREE_OK) return result;
+    } else {
+      return unsure ? SCREE_ERROR_UNSUPPORTED : SCREE_OK;
+    }
   }
 }
 
 /* --- A triangle in a cell. --- */
 
 typedef struct part_polygon {
+  const double *seeds, *seed, *at[3]; /* all seeds, that of the cell, the triangle's corners */
   part_corner corners[2][MOST_SIDES + 1];
   part_cutter cutters[MOST_SIDES];
   uint32_t count, cutter_count;
   const part_corner* now;
 } part_polygon;
+
+/* A sum of two doubles, for about twice their digits. Based on: Dekker 1971, "A floating-point technique for extending the
+ * available precision". */
+typedef struct wide {
+  double high, low;
+} wide;
+
+static wide wide_sum(double a, double b) {
+  const double sum = a + b, part = sum - a;
+  return (wide){sum, (a - (sum - part)) + (b - part)};
+}
+
+static wide wide_add(wide a, wide b) {
+  const wide high = wide_sum(a.high, b.high), low = wide_sum(a.low, b.low), once = wide_sum(high.high, high.low + low.high);
+  return wide_sum(once.high, once.low + low.low);
+}
+
+static wide wide_minus(wide a) {
+  return (wide){-a.high, -a.low};
+}
+
+static wide wide_times(wide a, wide b) {
+  const double split = 134217729, p = split * a.high, q = split * b.high;
+  const double a1 = p - (p - a.high), a2 = a.high - a1, b1 = q - (q - b.high), b2 = b.high - b1, high = a.high * b.high;
+  const double low = ((a1 * b1 - high) + a1 * b2 + a2 * b1) + a2 * b2;
+  return wide_sum(high, low + (a.high * b.low + a.low * b.high));
+}
+
+/* The rows of a cutter anew. */
+static void wide_row(const part_polygon* p, uint32_t seed, wide row[3]) {
+  const double* other = &p->seeds[3 * (size_t)seed];
+  for (int c = 0; c < 3; ++c) {
+    row[c] = (wide){0, 0};
+    for (int axis = 0; axis < 3; ++axis) {
+      const wide to = wide_sum(other[axis], -p->seed[axis]), d = wide_sum(p->at[c][axis], -p->seed[axis]);
+      row[c] = wide_add(row[c], wide_times(to, wide_add(to, (wide){-2 * d.high, -2 * d.low})));
+    }
+  }
+}
+
+/* Where two planes and the triangle's are nearly one, doubles know little of the point where they meet. */
+static void meet_wide(const part_polygon* p, uint32_t side, uint32_t seed, part_corner* out) {
+  wide r[3], s[3], h[3], sum = {0, 0};
+  wide_row(p, seed, s);
+  for (uint32_t c = 0; c < 3; ++c) r[c] = (wide){c == (side + 2) % 3, 0};
+  if (side >= 3) wide_row(p, p->cutters[side - 3].seed, r);
+  double size = 0;
+  for (int c = 0; c < 3; ++c) {
+    const int a = (c + 1) % 3, b = (c + 2) % 3;
+    h[c] = wide_add(wide_times(r[a], s[b]), wide_minus(wide_times(r[b], s[a])));
+    sum = wide_add(sum, h[c]);
+    size += fabs(r[a].high * s[b].high) + fabs(r[b].high * s[a].high);
+  }
+  for (int c = 0; c < 3; ++c) out->share[c] = h[c].high / sum.high;
+  out->error = 4e-16 + 1e-29 * size / fabs(sum.high);
+}
 
 /* Where a side and a new cutter meet. */
 static bool meet(const part_polygon* p, uint32_t side, const part_cutter* by, double d[3][3], part_corner* out) {
@@ -164,7 +227,8 @@ static bool meet(const part_polygon* p, uint32_t side, const part_cutter* by, do
     for (int c = 0; c < 3; ++c) out->share[c] = h[c] / sum;
     out->error = 4 * (r1 * by->error + s1 * with->error + 1e-15 * r1 * s1) / fabs(sum);
   }
-  if (!(out->error < 1e-6)) return false;
+  if (!(out->error < 1e-11)) meet_wide(p, side, by->seed, out);
+  if (!(out->error < 1e-9)) return false;
   double at[3];
   for (int axis = 0; axis < 3; ++axis)
     at[axis] = out->share[0] * d[0][axis] + out->share[1] * d[1][axis] + out->share[2] * d[2][axis];
@@ -216,11 +280,14 @@ static double farthest2(const part_polygon* p) {
 static scree_result make_part(clip_work* work, const uint32_t* triangle, uint32_t cell, part_polygon* p) {
   const double* seed = &work->input->seeds[3 * (size_t)cell];
   double d[3][3];
+  p->seeds = work->input->seeds;
+  p->seed = seed;
   p->count = 3;
   p->cutter_count = 0;
   p->now = p->corners[0];
   for (uint32_t c = 0; c < 3; ++c) {
     const double* at = &work->input->positions[3 * (size_t)triangle[c]];
+    p->at[c] = at;
     for (int axis = 0; axis < 3; ++axis) d[c][axis] = at[axis] - seed[axis];
     part_corner* corner = &p->corners[0][c];
     *corner = (part_corner){{c == 0, c == 1, c == 2}, 0, dot(d[c], d[c]), c};
@@ -395,13 +462,11 @@ static scree_result cut_all(surface_cutter* s) {
   clip_work* work = s->work;
   const shard_input* input = work->input;
   part_polygon polygon;
-  uint32_t last = CLIP_NONE;
   for (uint32_t t = 0; t < input->triangle_count; ++t) {
     const uint32_t* triangle = &input->indices[3 * (size_t)t];
     uint32_t near = CLIP_NONE;
     for (int c = 0; c < 3; ++c)
       if (near == CLIP_NONE) near = s->cell_of[triangle[c]];
-    if (near == CLIP_NONE) near = last;
     if (near == CLIP_NONE) near = voronoi_grid_nearest(&work->grid, &input->positions[3 * (size_t)triangle[0]]);
     for (int c = 0; c < 3; ++c) {
       if (s->cell_of[triangle[c]] != CLIP_NONE) continue;
@@ -409,7 +474,7 @@ static scree_result cut_all(surface_cutter* s) {
       if (result != SCREE_OK) return result;
       s->cell_of[triangle[c]] = near;
     }
-    const uint32_t cell = last = s->cell_of[triangle[0]];
+    const uint32_t cell = s->cell_of[triangle[0]];
     scree_result result;
     if (cell == s->cell_of[triangle[1]] && cell == s->cell_of[triangle[2]]) {
       uint32_t* corners;
