@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { MOST_BOXES = 1 << 23, MOST_CROSSINGS = 256 };
+enum { MOST_BOXES = 1 << 22, MOST_CROSSINGS = 256 };
 enum { OUT_OF_REACH = 0, MARKED = 1, TOUCHED = 2 };
 
 static double dot(const double a[3], const double b[3]) {
@@ -25,7 +25,7 @@ static double segment_distance2(const double p[3], const double a[3], const doub
   return sum;
 }
 
-double triangle_distance2(const double p[3], const double a[3], const double b[3], const double c[3]) {
+double mask_triangle_distance2(const double p[3], const double a[3], const double b[3], const double c[3]) {
   double ab[3], ac[3], ap[3];
   for (int i = 0; i < 3; ++i) ab[i] = b[i] - a[i], ac[i] = c[i] - a[i], ap[i] = p[i] - a[i];
   const double n[3] = {ab[1] * ac[2] - ab[2] * ac[1], ab[2] * ac[0] - ab[0] * ac[2], ab[0] * ac[1] - ab[1] * ac[0]};
@@ -61,7 +61,7 @@ static void touch(seed_mask* m, const double* const corner[3], const uint32_t lo
     half2 += half * half;
     if (high[a] - low[a] > high[longest] - low[longest]) longest = a;
   }
-  if (triangle_distance2(middle, corner[0], corner[1], corner[2]) > half2 * (1 + 1e-9)) return;
+  if (mask_triangle_distance2(middle, corner[0], corner[1], corner[2]) > half2 * (1 + 1e-9)) return;
   if (high[longest] == low[longest]) {
     m->marked[box_at(m, low[0], low[1], low[2])] = TOUCHED;
     return;

@@ -31,6 +31,6 @@ void seed_mask_free(seed_mask* mask, const scree_allocator* allocator); /* all z
 bool seed_mask_has(const seed_mask* mask, const double p[3]);
 
 /* Squared distance of a point to a triangle, one without area included. */
-double triangle_distance2(const double p[3], const double a[3], const double b[3], const double c[3]);
+double mask_triangle_distance2(const double p[3], const double a[3], const double b[3], const double c[3]);
 
 #endif

@@ -8,7 +8,7 @@
 #include "seed_lay.h"
 #include "solid_internal.h"
 
-#define MOST_PLACES 3e8 /* of a lattice in the solid's box, most of them out of reach */
+#define MOST_PLACES 5e7 /* of a lattice in the solid's box, most of them out of reach */
 
 static const double half_sqrt3 = 0.86602540378443864676, one_by_sqrt3 = 0.57735026918962576451;
 
@@ -250,6 +250,7 @@ typedef struct bed {
   bool split;      /* two seeds: the upper one is free of the lower one */
 } bed;
 
+enum { MOST_BEDS = 4000000 };
 #define BED_MARGIN 0.1 /* of the thinner of two layers: nearer to the joint between them no seed lies */
 
 static double thickness_of(const scree_seed_pattern* p, double spacing, int64_t layer) {
@@ -285,55 +286,79 @@ static void place_beds(bed* beds, uint32_t count) {
   }
 }
 
+/* The beds from below `bottom` to above `top`, placed; one of them begins at the solid's lower end. Heights are summed from there
+ * both ways, so that layers lie where they were asked for. */
+static scree_result make_beds(seed_job* job, double spacing, double bottom, double top, bed** out, uint32_t* out_count) {
+  const scree_seed_pattern* p = job->pattern;
+  uint32_t below = 0, above = 0;
+  for (double at = job->min[1]; at > bottom && below < MOST_BEDS; ++below) at -= thickness_of(p, spacing, -(int64_t)below - 1);
+  for (double at = job->min[1]; (at < top || above == 0) && above < MOST_BEDS; ++above) at += thickness_of(p, spacing, above);
+  const uint32_t count = below + above;
+  if (count >= MOST_BEDS) return too_many(job->error);
+  bed* beds = scree_rt_allocate(&job->allocator, count, sizeof *beds);
+  if (beds == NULL) return no_memory(job->error);
+  double height = job->min[1];
+  for (uint32_t i = below; i < count; ++i) {
+    beds[i].low = height;
+    beds[i].thickness = thickness_of(p, spacing, (int64_t)i - below);
+    height += beds[i].thickness;
+  }
+  height = job->min[1];
+  for (uint32_t i = below; i-- > 0;) {
+    beds[i].thickness = thickness_of(p, spacing, (int64_t)i - below);
+    beds[i].low = height -= beds[i].thickness;
+  }
+  place_beds(beds, count);
+  *out = beds;
+  *out_count = count;
+  return SCREE_OK;
+}
+
+/* Between seeds above each other, on average: not that of the layers where some have two seeds. */
+static scree_result mean_height(seed_job* job, double* out) {
+  bed* beds;
+  uint32_t count, seeds = 0;
+  const scree_result result = make_beds(job, 0, job->min[1], job->max[1], &beds, &count);
+  if (result != SCREE_OK) return result;
+  *out = 0;
+  for (uint32_t i = 0; i < count; ++i) {
+    *out += beds[i].thickness;
+    seeds += beds[i].split ? 2 : 1;
+  }
+  *out /= seeds;
+  scree_rt_release(&job->allocator, beds, count, sizeof *beds);
+  return result;
+}
+
 static scree_result lay_slabs(seed_job* job) {
   const scree_seed_pattern* p = job->pattern;
-  double mean = 0, most = 0;
-  for (uint32_t i = 0; i < p->layer_count; ++i) {
-    mean += p->layers[i] / p->layer_count;
-    most = fmax(most, p->layers[i]);
+  double s = p->spacing, most = 0;
+  if (p->count > 0 && p->layer_count == 0) s = cube_root(job->volume / p->count);
+  if (p->count > 0 && p->layer_count > 0) {
+    double mean;
+    const scree_result result = mean_height(job, &mean);
+    if (result != SCREE_OK) return result;
+    s = sqrt(job->volume / (p->count * mean));
   }
-  double s = p->spacing;
-  if (p->count > 0) s = p->layer_count > 0 ? sqrt(job->volume / (p->count * mean)) : cube_root(job->volume / p->count);
-  if (p->layer_count == 0) mean = most = s;
+  for (uint32_t i = 0; i < p->layer_count; ++i) most = fmax(most, p->layers[i]);
+  if (p->layer_count == 0) most = s;
   const double across = s * 0.70710678118654752 * (1 + p->jitter), reach = sqrt(across * across + most * most);
   seed_mask mask;
   scree_result result = seed_job_mask(job, fmin(reach, fmin(s, most) * 2) / 3, reach, NULL, NULL, &mask);
   if (result != SCREE_OK) return result;
-
-  const double bottom = mask.min[1], top = mask.min[1] + mask.size[1] * mask.step;
-  double low = job->min[1];
-  int64_t first = 0;
+  bed* beds = NULL;
   uint32_t count = 0;
-  lattice_range x, z;
-  bool fits = range_of(&mask, 0, job->min[0], s, &x) && range_of(&mask, 2, job->min[2], s, &z) && (top - bottom) / mean < 1e6;
-  for (; fits && low > bottom; ++count, low -= thickness_of(p, s, --first)) continue;
-  low = job->min[1];
-  uint32_t above = 0;
-  for (double high = low; fits && high < top && above < 4000000; ++above) high += thickness_of(p, s, above);
-  count += above;
-  if (!fits || places(x) * places(z) * count > MOST_PLACES) {
+  result = make_beds(job, s, mask.min[1], mask.min[1] + mask.size[1] * mask.step, &beds, &count);
+  lattice_range x = {0}, z = {0};
+  if (result == SCREE_OK && (!range_of(&mask, 0, job->min[0], s, &x) || !range_of(&mask, 2, job->min[2], s, &z) ||
+                             places(x) * places(z) * count > MOST_PLACES)) {
+    scree_rt_release(&job->allocator, beds, count, sizeof *beds);
+    result = too_many(job->error);
+  }
+  if (result != SCREE_OK) {
     seed_mask_free(&mask, &job->allocator);
-    return too_many(job->error);
+    return result;
   }
-  bed* beds = scree_rt_allocate(&job->allocator, count, sizeof *beds);
-  if (beds == NULL) {
-    seed_mask_free(&mask, &job->allocator);
-    return no_memory(job->error);
-  }
-  /* Heights are summed from the solid's lower end both ways, so that layers lie where they were asked for. */
-  const uint32_t below = (uint32_t)-first;
-  double height = low;
-  for (uint32_t i = below; i < count; ++i) {
-    beds[i].low = height;
-    beds[i].thickness = thickness_of(p, s, (int64_t)i - below);
-    height += beds[i].thickness;
-  }
-  height = low;
-  for (uint32_t i = below; i-- > 0;) {
-    beds[i].thickness = thickness_of(p, s, (int64_t)i - below);
-    beds[i].low = height -= beds[i].thickness;
-  }
-  place_beds(beds, count);
   for (int32_t k = z.first; result == SCREE_OK && k <= z.last; ++k)
     for (int32_t i = x.first; result == SCREE_OK && i <= x.last; ++i) {
       /* The same place in all layers, or else layers would not be flat. */
@@ -409,17 +434,70 @@ static scree_result check_pattern(const scree_seed_pattern* p, scree_error* erro
   return SCREE_OK;
 }
 
+/* --- Poisson discs ---------------------------------------------------------------------------------------------------------- */
+
+#define DISCS_PER_VOLUME 0.72 /* so many discs of radius 1 a cubic unit has, when no more fit */
+enum { RADIUS_SAMPLES = 4096 };
+
+/* By what the radii must be multiplied, so that there are `count` discs in the solid. */
+static scree_result fit_radius(seed_job* job, seed_radius* r) {
+  double mean = 1 / (r->radii[0] * r->radii[0] * r->radii[0]); /* of 1 / radius^3 */
+  if (r->radii[0] != r->radii[1]) {
+    const scree_result result = seeds_random(job, RADIUS_SAMPLES, 0);
+    if (result != SCREE_OK) return result;
+    mean = 0;
+    for (size_t i = 0; i < job->seeds.count; ++i) {
+      const double at = seed_radius_at(r, job->seeds.points + 3 * i);
+      mean += 1 / (at * at * at) / RADIUS_SAMPLES;
+    }
+    job->seeds.count = 0;
+  }
+  const double scale = cube_root(DISCS_PER_VOLUME * job->volume * mean / job->pattern->count);
+  for (int i = 0; i < 2; ++i) r->radii[i] *= scale;
+  return SCREE_OK;
+}
+
+static scree_result lay_poisson(seed_job* job, const shard_space* space) {
+  const scree_seed_pattern* p = job->pattern;
+  const double *g = p->grade, length = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
+  const double up[3] = {0, 1, 0}, *along = length > 0 ? g : up;
+  const double end = p->spacing_end > 0 ? p->spacing_end : p->spacing;
+  seed_radius r = {.radii = {p->spacing, end}};
+  if (p->count > 0 && p->spacing_end == 0) r.radii[0] = r.radii[1] = 1;
+  /* Heights along the grade are measured in the solid's space: a plane there is a plane in the pattern's. */
+  double size = 0;
+  for (int i = 0; i < 3; ++i) {
+    r.grade[i] = 0;
+    for (int a = 0; a < 3; ++a) r.grade[i] += space->axis[i][a] * along[a] * space->stretch[i];
+    size += r.grade[i] * r.grade[i];
+  }
+  for (int i = 0; i < 3; ++i) r.grade[i] /= sqrt(size);
+  for (size_t v = 0; v < job->vertex_count; ++v) {
+    const double* q = job->positions + 3 * v;
+    const double height = r.grade[0] * q[0] + r.grade[1] * q[1] + r.grade[2] * q[2];
+    if (v == 0 || height < r.ends[0]) r.ends[0] = height;
+    if (v == 0 || height > r.ends[1]) r.ends[1] = height;
+  }
+  if (p->count > 0) {
+    const scree_result result = fit_radius(job, &r);
+    if (result != SCREE_OK) return result;
+  }
+  const double least = fmin(r.radii[0], r.radii[1]), most = fmax(r.radii[0], r.radii[1]);
+  /* More than that would not fit even where the radius is largest. */
+  if (job->volume / (most * most * most) * 0.5 > MOST_SEEDS || !(least > 0)) return too_many(job->error);
+  return seeds_poisson(job, &r, p->random_seed);
+}
+
 /* --- all patterns ----------------------------------------------------------------------------------------------------------- */
 
 static scree_result lay(seed_job* job, const shard_space* space) {
   const scree_seed_pattern* p = job->pattern;
-  (void)space;
   switch (p->kind) {
     case SCREE_SEEDS_RANDOM: return seeds_random(job, p->count, p->random_seed);
     case SCREE_SEEDS_GRID: return lay_grid(job);
     case SCREE_SEEDS_COLUMNS: return lay_columns(job);
     case SCREE_SEEDS_SLABS: return lay_slabs(job);
-    default: recipe_say(job->error, "seeds: this kind of pattern is not there yet"); return SCREE_ERROR_UNSUPPORTED;
+    default: return lay_poisson(job, space);
   }
 }
 

@@ -179,7 +179,7 @@ static void a_mask_has_all_that_is_inside_or_within_reach(void** state) {
       for (int a = 0; a < 3; ++a) p[a] = 4 * unit_random(&random) - 2;
       for (uint32_t t = 0; t < l.solid.triangle_count; ++t) {
         const uint32_t* v = l.solid.indices + 3 * t;
-        least = fmin(least, triangle_distance2(p, l.positions + 3 * v[0], l.positions + 3 * v[1], l.positions + 3 * v[2]));
+        least = fmin(least, mask_triangle_distance2(p, l.positions + 3 * v[0], l.positions + 3 * v[1], l.positions + 3 * v[2]));
       }
       const bool wanted = solid_is_inside(&inside, p) || sqrt(least) <= reach;
       if (wanted) assert_true(seed_mask_has(&mask, p));
@@ -384,6 +384,96 @@ static void slabs_have_the_thicknesses_of_their_layers(void** state) {
   assert_joints((const double[4]){0.1, 3, 0.02, 0.9}, 4, 5);
 }
 
+static double radius_of(const double* p, double low, double high, double r0, double r1) {
+  const double t = fmin(1, fmax(0, (p[1] - low) / (high - low)));
+  return r0 + (r1 - r0) * t;
+}
+
+/* Two seeds are never nearer than the larger of their radii, and no point of the solid is much farther from all. */
+static void assert_discs(const scree_solid* solid, const double low[3], const double high[3], double r0, double r1) {
+  const scree_seed_pattern pattern = {.kind = SCREE_SEEDS_POISSON, .spacing = r0, .spacing_end = r1, .random_seed = 6};
+  seed_set set = lay(&pattern, solid);
+  const double end = r1 > 0 ? r1 : r0;
+  assert_true(set.count > 100);
+  for (uint32_t i = 0; i < set.count; ++i)
+    for (uint32_t j = 0; j < i; ++j) {
+      const double *p = set.p + 3 * i, *q = set.p + 3 * j;
+      const double r = fmax(radius_of(p, low[1], high[1], r0, end), radius_of(q, low[1], high[1], r0, end));
+      assert_true(distance(p, q) >= r * (1 - 1e-12));
+    }
+  uint64_t random = 3;
+  uint32_t holes = 0;
+  for (int i = 0; i < 3000; ++i) {
+    double p[3], least = INFINITY;
+    for (int a = 0; a < 3; ++a) p[a] = low[a] + (high[a] - low[a]) * unit_random(&random);
+    if (slow_winding(solid, p) < 0.5) continue;
+    const double r = radius_of(p, low[1], high[1], r0, end);
+    for (uint32_t k = 0; k < set.count; ++k) {
+      const double* q = set.p + 3 * k;
+      least = fmin(least, distance(p, q) / fmax(r, radius_of(q, low[1], high[1], r0, end)));
+    }
+    assert_true(least < 1.02);
+    holes += least > 1;
+  }
+  assert_true(holes <= 3);
+  drop(&set);
+}
+
+static void discs_are_apart_and_leave_no_room_for_another(void** state) {
+  (void)state;
+  box_solid box;
+  const double high[3] = {2, 2, 2};
+  make_box(&box, zero, high);
+  assert_discs(&box.solid, zero, high, 0.25, 0);
+  assert_discs(&box.solid, zero, high, 0.15, 0.45);
+  assert_discs(&box.solid, zero, high, 0.5, 0.12);
+  lump l = make_lump(20, 0.3);
+  assert_discs(&l.solid, (const double[3]){-1, -1, -1}, (const double[3]){1, 1, 1}, 0.2, 0.2);
+  drop_lump(&l);
+}
+
+static void graded_discs_are_sparse_at_the_upper_end(void** state) {
+  (void)state;
+  box_solid box;
+  make_box(&box, zero, (const double[3]){3, 6, 3});
+  const scree_seed_pattern pattern = {
+      .kind = SCREE_SEEDS_POISSON, .spacing = 1, .spacing_end = 3, .count = 2000, .grade = {0, -2, 0}, .random_seed = 6};
+  seed_set set = lay(&pattern, &box.solid);
+  uint32_t thirds[3] = {0};
+  for (uint32_t i = 0; i < set.count; ++i)
+    if (is_within(set.p + 3 * i, zero, (const double[3]){3, 5.999, 3})) ++thirds[(int)(set.p[3 * i + 1] / 2)];
+  const double within = thirds[0] + thirds[1] + thirds[2];
+  assert_true(within > 2000 * 0.85 && within < 2000 * 1.15);
+  /* Radii are least at the top here: 3 to 7/3, to 5/3, to 1; the densities are about as their cubes. */
+  assert_true(thirds[2] > 3 * thirds[1] && thirds[1] > 2 * thirds[0]);
+  drop(&set);
+}
+
+static void counts_are_met_by_volume(void** state) {
+  (void)state;
+  lump l = make_lump(24, 0.2);
+  const scree_allocator allocator = scree_rt_allocator_or_default(NULL);
+  solid_inside inside;
+  assert_int_equal(solid_inside_create(l.solid.positions, l.solid.indices, l.solid.triangle_count, &allocator, &inside), SCREE_OK);
+  const double layers[2] = {0.05, 0.1};
+  const scree_seed_pattern patterns[] = {
+      {.kind = SCREE_SEEDS_GRID, .count = 1500, .jitter = 0.5},
+      {.kind = SCREE_SEEDS_COLUMNS, .count = 1500, .length = 0.1, .jitter = 0.5},
+      {.kind = SCREE_SEEDS_SLABS, .count = 1500, .layers = layers, .layer_count = 2, .stretch = {1, 0.5, 2}},
+      {.kind = SCREE_SEEDS_POISSON, .count = 1500},
+  };
+  for (size_t i = 0; i < sizeof patterns / sizeof *patterns; ++i) {
+    seed_set set = lay(&patterns[i], &l.solid);
+    uint32_t within = 0;
+    for (uint32_t k = 0; k < set.count; ++k) within += solid_is_inside(&inside, set.p + 3 * k);
+    if (within < 1500 * 0.9 || within > 1500 * 1.1) fail_msg("pattern %zu: %u inside of 1500", i, within);
+    assert_true(set.count < 5 * within);
+    drop(&set);
+  }
+  solid_inside_free(&inside, &allocator);
+  drop_lump(&l);
+}
+
 static void up_tilts_and_stretch_lengthens(void** state) {
   (void)state;
   box_solid box;
@@ -457,14 +547,16 @@ static const scree_seed_pattern all_patterns[] = {
     {.kind = SCREE_SEEDS_COLUMNS, .count = 200, .jitter = 0.4, .random_seed = 1},
     {.kind = SCREE_SEEDS_COLUMNS, .spacing = 0.3, .length = 0.2, .stretch = {1, 4, 1}, .jitter = 0.4, .random_seed = 1},
     {.kind = SCREE_SEEDS_SLABS, .spacing = 0.4, .layers = some_layers, .layer_count = 3, .up = {0.3, 1, 0.1}, .random_seed = 1},
+    {.kind = SCREE_SEEDS_POISSON, .spacing = 0.15, .spacing_end = 0.4, .grade = {1, 0, 1}, .stretch = {1, 2, 1}, .random_seed = 1},
+    {.kind = SCREE_SEEDS_POISSON, .count = 300, .spacing = 1, .spacing_end = 2, .random_seed = 1},
 };
 enum { PATTERNS = sizeof all_patterns / sizeof *all_patterns };
 
 static void seeds_are_the_same_everywhere(void** state) {
   (void)state;
-  static const uint64_t wanted[PATTERNS] = {UINT64_C(0x6b0819fc5f67e032), UINT64_C(0xa46870591227c4a9),
-                                            UINT64_C(0xfe37c474f422ecc9), UINT64_C(0xc6bd6bc7fa4b9d30),
-                                            UINT64_C(0x882e539f803a2537)};
+  static const uint64_t wanted[PATTERNS] = {
+      UINT64_C(0x6b0819fc5f67e032), UINT64_C(0xa46870591227c4a9), UINT64_C(0xfe37c474f422ecc9), UINT64_C(0xc6bd6bc7fa4b9d30),
+      UINT64_C(0x882e539f803a2537), UINT64_C(0x059b1caebfa796a8), UINT64_C(0xd806f0cd92a2f3af)};
   float heights[64];
   for (int i = 0; i < 64; ++i) heights[i] = (float)(i % 8 * (7 - i % 8) + i / 8 * 3) / 16;
   scree_solid_memory solid;
@@ -528,7 +620,7 @@ static void bad_patterns_are_told(void** state) {
 static void seeds_of_hostile_triangles_are_made_or_refused(void** state) {
   (void)state;
   uint64_t random = 9;
-  for (int round = 0; round < 60; ++round) {
+  for (int round = 0; round < 6; ++round) {
     double positions[60];
     uint32_t indices[120];
     for (int i = 0; i < 60; ++i)
@@ -578,6 +670,9 @@ int main(void) {
       cmocka_unit_test(columns_without_jitter_have_six_neighbours_at_the_same_distance),
       cmocka_unit_test(joints_of_columns_lie_at_random_heights_a_length_apart),
       cmocka_unit_test(slabs_have_the_thicknesses_of_their_layers),
+      cmocka_unit_test(discs_are_apart_and_leave_no_room_for_another),
+      cmocka_unit_test(graded_discs_are_sparse_at_the_upper_end),
+      cmocka_unit_test(counts_are_met_by_volume),
       cmocka_unit_test(up_tilts_and_stretch_lengthens),
       cmocka_unit_test(the_turn_of_a_space_is_a_turn),
       cmocka_unit_test(given_points_are_taken_as_they_are),
