@@ -26,7 +26,7 @@ static int64_t above(const whole* points, const uint8_t t[3], uint32_t p) {
 
 /* Keeps the points that are farthest in fixed directions. */
 static uint32_t choose(const double* points, uint32_t count, double (*out)[3]) {
-  uint32_t kept = 0, chosen[HULL_POINTS];
+  uint32_t kept = 0, chosen[HULL_POINTS] = {0};
   random_stream stream = {1};
   for (uint32_t d = 0; d < 4 * HULL_POINTS && kept < HULL_POINTS; ++d) {
     double direction[3] = {0, 0, 0};

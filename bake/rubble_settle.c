@@ -102,8 +102,10 @@ void rubble_rasterise(const rubble_mover* m, const double turn[4], const double 
 
 typedef enum fit { FIT_FREE, FIT_BLOCKED, FIT_OUT } fit;
 
-/* Whether a block fits at a place, and how high it lies when it drops from there. */
-static fit fits(const rubble_mover* m, const rubble_raster* raster, const int32_t column[2], double height, double* rest) {
+/* Whether a block fits at a place, and how high it lies when it drops from there. Where that is `enough` or more it is blocked: the
+ * caller has better, and need not wait for the rest. */
+static fit fits_below(const rubble_mover* m, const rubble_raster* raster, const int32_t column[2], double height, double enough,
+                      double* rest) {
   const dexels* d = m->solid;
   double floor_height = -INFINITY;
   for (uint32_t c = 0; c < raster->count; ++c) {
@@ -120,9 +122,14 @@ static fit fits(const rubble_mover* m, const rubble_raster* raster, const int32_
       top = d->pool[n].high;
     }
     if (top - cell->low > floor_height) floor_height = top - cell->low;
+    if (floor_height >= enough) return FIT_BLOCKED;
   }
   *rest = floor_height;
   return FIT_FREE;
+}
+
+static fit fits(const rubble_mover* m, const rubble_raster* raster, const int32_t column[2], double height, double* rest) {
+  return fits_below(m, raster, column, height, INFINITY, rest);
 }
 
 /* --- ways -------------------------------------------------------------------------------------------------------------------- */
@@ -302,8 +309,8 @@ static bool try_tip(rubble_mover* m, const rubble_pose* pose, int direction, dou
   turn_by(by, pose->turn, tried.turn);
   for (int axis = 0; axis < 2; ++axis) tried.column[axis] += steps * directions[direction][axis];
   rubble_rasterise(m, tried.turn, tried.part, &m->rasters[1]);
-  if (fits(m, &m->rasters[1], tried.column, pose->height + angle * m->hull->radius, &tried.height) != FIT_FREE) return false;
-  if (!(tried.height < best->height)) return false;
+  const double lifted = pose->height + angle * m->hull->radius;
+  if (fits_below(m, &m->rasters[1], tried.column, lifted, best->height, &tried.height) != FIT_FREE) return false;
   *best = tried;
   return true;
 }

@@ -195,21 +195,24 @@ typedef struct scree_block {
  * Returns how many blocks there are. */
 SCREE_API uint32_t scree_frost_blocks(const scree_frost* frost, const scree_block** blocks, const uint32_t** shards);
 
-/* Blocks come to rest, in the order of falling, on what stands now, on the ground and on each other: each drops along gravity, lies
- * down on a face, and slides or rolls down slopes steeper than its angle of repose, never through rock. Columns of intervals
- * (dexels) along gravity say what is solid. */
+/* Blocks come to rest, in the order of falling, on what stands now, on the ground and on each other. Each is a rigid body, the hull
+ * of its shards: it leaves the rock along its push, drops along gravity, lies down on one of its largest faces, goes down the
+ * steepest way while that is steeper than its repose, a little farther by what it fell, never through rock or a roof, and is then
+ * turned until its centre of mass is as low as it can be there. Larger blocks roll farther. Columns of intervals (dexels) along
+ * gravity say what is solid: a block touches what it lies on, and is in others by about a column at most; between columns nothing
+ * is known. */
 typedef struct scree_rubble scree_rubble;
 
 typedef struct scree_rubble_desc {
   const scree_frost* frost;
-  double ground;        /* height of the level ground; where a height map is given, below it nothing is looked at */
-  const float* heights; /* NULL, or of ground around: as scree_solid_from_heights, centred on x = z = 0 */
+  double ground;        /* height of the level ground, against gravity; a height map's ground is nowhere lower */
+  const float* heights; /* NULL, or of ground around: as scree_solid_from_heights, centred on x = z = 0; made for gravity -Y */
   uint32_t width, depth;
   double spacing;
   double resolution; /* width of a dexel; 0 = a third of the cube root of the mean shard's volume */
-  double repose;     /* tangent of the angle of repose; 0 = 0.7 */
+  double repose;     /* tangent of the angle of repose of a heap, 0..100; 0 = 0.7 */
   double min_volume; /* smaller blocks are not kept: dust */
-  double share;      /* of blocks that are kept, by a hash; the others are carried away; 0..1 */
+  double share;      /* of blocks that are kept, by a hash; the others are carried away; 0..1, 0 = none is kept */
   double reach;      /* how far from the solid's box blocks may roll, lengths; beyond they are gone; 0 = half its width */
   uint64_t random_seed;
   scree_allocator allocator;
@@ -223,9 +226,11 @@ typedef struct scree_resting_block {
   double rotation[4];    /* unit quaternion x, y, z, w */
 } scree_resting_block;
 
-/* Returns SCREE_OK, RANGE, CANCELLED or OUT_OF_MEMORY. */
+/* Returns SCREE_OK, RANGE (names the number; a resolution of more than 2^24 columns too), CANCELLED or OUT_OF_MEMORY. error: may be
+ * NULL. The simulation is not changed, and not needed afterwards but for its blocks. */
 SCREE_API scree_result scree_rubble_create(const scree_rubble_desc* desc, scree_rubble** out, scree_error* error);
 SCREE_API void scree_rubble_destroy(scree_rubble* rubble); /* NULL is allowed */
+/* Blocks that rest, by number; returns how many. */
 SCREE_API uint32_t scree_rubble_get(const scree_rubble* rubble, const scree_resting_block** blocks);
 
 /* --- surface ---------------------------------------------------------------------------------------------------------------- */
