@@ -1,5 +1,6 @@
 #include "voronoi_cell.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 /* Neighbours cut before the walls: enough that few walls still reach the cell, which is then small. */
@@ -103,7 +104,7 @@ static bool need_planes(voronoi_cell* cell, size_t count) {
 static bool need_near(voronoi_cell* cell, size_t count) {
   const size_t n = count < 128 ? 256 : 2 * count;
   if (count <= cell->near_capacity) return true;
-  if (!grow(cell->allocator, &cell->near, cell->near_capacity, n, sizeof(near_seed))) return false;
+  if (!grow(cell->allocator, &cell->near, cell->near_capacity, n, 2 * sizeof(near_seed))) return false;
   cell->near_capacity = (uint32_t)n;
   return true;
 }
@@ -122,7 +123,7 @@ void voronoi_cell_free(voronoi_cell* cell) {
   scree_rt_release(cell->allocator, cell->planes, cell->plane_capacity, sizeof *cell->planes);
   scree_rt_release(cell->allocator, cell->faces, cell->plane_capacity, sizeof *cell->faces);
   scree_rt_release(cell->allocator, cell->marks, cell->plane_capacity, 2 * sizeof *cell->marks);
-  scree_rt_release(cell->allocator, cell->near, cell->near_capacity, sizeof(near_seed));
+  scree_rt_release(cell->allocator, cell->near, cell->near_capacity, 2 * sizeof(near_seed));
   scree_rt_release(cell->allocator, cell->edges, cell->edge_capacity, sizeof(hole_edge));
   *cell = (voronoi_cell){0};
 }
@@ -179,10 +180,10 @@ static scree_result cut(voronoi_cell* cell, const voronoi_plane* plane) {
   const double nx = plane->normal[0], ny = plane->normal[1], nz = plane->normal[2], d = plane->cut;
   const uint32_t count = cell->corner_count;
   const double* restrict x = cell->x, * restrict y = cell->y, * restrict z = cell->z;
-  unsigned char* restrict outside = cell->outside;
-  unsigned any = 0;
+  uint64_t* restrict outside = cell->outside;
+  uint64_t any = 0;
   for (size_t i = 0; i < count; ++i) {
-    const unsigned char out = nx * x[i] + ny * y[i] + nz * z[i] > d;
+    const uint64_t out = nx * x[i] + ny * y[i] + nz * z[i] > d;
     outside[i] = out;
     any |= out;
   }
@@ -190,7 +191,7 @@ static scree_result cut(voronoi_cell* cell, const voronoi_plane* plane) {
   uint32_t removed = 0;
   for (uint32_t i = 0; i < count; ++i) {
     cell->removed[removed] = i;
-    removed += cell->outside[i];
+    removed += (uint32_t)cell->outside[i];
   }
   if (removed == count) {
     cell->corner_count = 0;
@@ -286,6 +287,10 @@ static bool nearer(const near_seed* a, const near_seed* b) {
   return a->distance2 < b->distance2 || (a->distance2 == b->distance2 && a->seed < b->seed);
 }
 
+static int by_distance(const void* a, const void* b) {
+  return nearer(a, b) ? -1 : nearer(b, a);
+}
+
 static void sort_few(near_seed* seeds, size_t count) {
   for (size_t i = 1; i < count; ++i) {
     const near_seed moved = seeds[i];
@@ -295,29 +300,33 @@ static void sort_few(near_seed* seeds, size_t count) {
   }
 }
 
-static void sift(near_seed* seeds, size_t at, size_t count) {
-  const near_seed moved = seeds[at];
-  for (;;) {
-    size_t child = 2 * at + 1;
-    if (child >= count) break;
-    if (child + 1 < count && nearer(seeds + child, seeds + child + 1)) ++child;
-    if (!nearer(&moved, seeds + child)) break;
-    seeds[at] = seeds[child];
-    at = child;
-  }
-  seeds[at] = moved;
-}
-
-/* Rising by distance. */
-static void sort_near(near_seed* seeds, size_t count) {
-  if (count > 48) {
-    for (size_t i = count / 2; i-- > 0;) sift(seeds, i, count);
-    while (count > 1) {
-      const near_seed farthest = seeds[0];
-      seeds[0] = seeds[--count];
-      seeds[count] = farthest;
-      sift(seeds, 0, count);
+/* Rising by distance: into boxes of equal width first, which leaves little to do. sorted: room for as many. */
+static void sort_near(near_seed* seeds, near_seed* sorted, size_t count) {
+  enum { BOXES = 64 };
+  if (count > 16) {
+    double most = 0;
+    for (size_t i = 0; i < count; ++i) most = seeds[i].distance2 > most ? seeds[i].distance2 : most;
+    const double scale = most > 1e-200 ? (BOXES - 1) / most : 0; /* finite */
+    uint32_t first[BOXES + 1] = {0}, at = 0;
+    for (size_t i = 0; i < count; ++i) ++first[(uint32_t)(seeds[i].distance2 * scale)];
+    for (int box = 0; box <= BOXES; ++box) {
+      const uint32_t in = first[box];
+      first[box] = at;
+      at += in;
     }
+    for (size_t i = 0; i < count; ++i) sorted[first[(uint32_t)(seeds[i].distance2 * scale)]++] = seeds[i];
+    /* A box that holds very many is sorted by itself: seeds all as far away as each other. */
+    for (size_t from = 0; from < count;) {
+      size_t end = from + 1;
+      const uint32_t box = (uint32_t)(sorted[from].distance2 * scale);
+      while (end < count && (uint32_t)(sorted[end].distance2 * scale) == box) ++end;
+      if (end - from > 64)
+        qsort(sorted + from, end - from, sizeof *sorted, by_distance);
+      else
+        sort_few(sorted + from, end - from);
+      from = end;
+    }
+    memcpy(seeds, sorted, count * sizeof *seeds);
   } else
     sort_few(seeds, count);
 }
@@ -419,7 +428,7 @@ static scree_result cut_all(voronoi_cell* cell, const voronoi_grid* grid, const 
   for (int ring = 1;; ++ring) {
     size_t count, done = 0;
     if (!gather(cell, grid, centre, ring, &count)) return SCREE_ERROR_OUT_OF_MEMORY;
-    if (count > 0) sort_near(cell->near, count);
+    if (count > 0) sort_near(cell->near, (near_seed*)cell->near + cell->near_capacity, count);
     scree_result result = SCREE_OK;
     if (ring == 1) {
       done = count < BEFORE_WALLS ? count : BEFORE_WALLS;
