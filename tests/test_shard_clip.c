@@ -376,18 +376,22 @@ static void a_thin_sheet_is_cut(void** state) {
 
 /* --- Meshes. --- */
 
+static const char* const mesh_names[] = {"elephant", "knot1", "armadillo", "bunny00"};
+
+static bool read_mesh(const char* name, solid_mesh* out) {
+  char file[1024];
+  snprintf(file, sizeof file, "%s/%s.off", folder, name);
+  const bool there = solid_read_off(file, out);
+  if (!there) print_message("%s is not there: left out; ./dev fetches it\n", file);
+  return there;
+}
+
 static void meshes_are_cut(void** state) {
   (void)state;
-  static const char* const names[] = {"elephant", "knot1", "armadillo", "bunny00"};
-  for (size_t k = 0; k < sizeof names / sizeof *names; ++k) {
-    char file[1024];
+  for (size_t k = 0; k < sizeof mesh_names / sizeof *mesh_names; ++k) {
     solid_mesh mesh;
-    snprintf(file, sizeof file, "%s/%s.off", folder, names[k]);
-    if (!solid_read_off(file, &mesh)) {
-      print_message("%s is not there: left out; ./dev fetches it\n", file);
-      continue;
-    }
-    cut_randomly(&mesh, names[k], ROUNDS(30, 15), 20, 3000, false);
+    if (!read_mesh(mesh_names[k], &mesh)) continue;
+    cut_randomly(&mesh, mesh_names[k], ROUNDS(30, 15), 20, 3000, false);
     solid_mesh_free(&mesh);
   }
 }
@@ -397,6 +401,109 @@ static void a_goblin_is_cut(void** state) {
   solid_mesh mesh = solid_goblin(48, 120);
   cut_randomly(&mesh, "goblin", ROUNDS(30, 15), 20, 3000, false);
   solid_mesh_free(&mesh);
+}
+
+/* --- Shards. --- */
+
+static scree_solid solid_of(const solid_mesh* mesh) {
+  return (scree_solid){.positions = mesh->positions,
+                       .indices = mesh->indices,
+                       .vertex_count = mesh->vertex_count,
+                       .triangle_count = mesh->triangle_count};
+}
+
+static scree_shards* shards_of(const solid_mesh* mesh, const double* seeds, uint32_t count, scree_clip clip) {
+  const scree_shards_desc desc = {.solid = solid_of(mesh), .seeds = seeds, .seed_count = count, .clip = clip};
+  scree_shards* shards;
+  scree_error error = {{0}};
+  const scree_result result = scree_shards_create(&desc, &shards, &error);
+  if (result != SCREE_OK) fail_msg("%s: %s", scree_result_string(result), error.message);
+  return shards;
+}
+
+static void walls_and_mesh_give_the_same_shards_of_a_box(void** state) {
+  (void)state;
+  solid_mesh mesh = solid_from_voxels("X", 1, 1, 1);
+  for (uint32_t round = 0; round < ROUNDS(10, 5); ++round) {
+    const uint32_t count = 1 + 60 * round;
+    double* seeds = random_seeds(&mesh, count, 70 + round);
+    scree_shards *a = shards_of(&mesh, seeds, count, SCREE_CLIP_WALLS), *b = shards_of(&mesh, seeds, count, SCREE_CLIP_MESH);
+    scree_shards_view walls, cut;
+    scree_shards_get(a, &walls);
+    scree_shards_get(b, &cut);
+    assert_int_equal(walls.clip, SCREE_CLIP_WALLS);
+    assert_int_equal(cut.clip, SCREE_CLIP_MESH);
+    assert_int_equal(walls.shard_count, cut.shard_count);
+    assert_int_equal(walls.link_count, cut.link_count);
+    assert_int_equal(walls.interior_link_count, cut.interior_link_count);
+    for (uint32_t k = 0; k < walls.shard_count; ++k) {
+      assert_int_equal(walls.shards[k].seed, cut.shards[k].seed);
+      assert_true(fabs(walls.shards[k].volume - cut.shards[k].volume) <= 1e-12);
+    }
+    for (uint32_t k = 0; k < walls.link_count; ++k) {
+      assert_int_equal(walls.links[k].shards[0], cut.links[k].shards[0]);
+      assert_int_equal(walls.links[k].shards[1], cut.links[k].shards[1]);
+    }
+    for (uint32_t k = 0; k < walls.interior_link_count; ++k) assert_true(fabs(walls.links[k].area - cut.links[k].area) <= 1e-12);
+    scree_shards_destroy(a);
+    scree_shards_destroy(b);
+    free(seeds);
+  }
+  solid_mesh_free(&mesh);
+}
+
+static void check_shards_of(const solid_mesh* mesh, uint32_t count) {
+  double* seeds = random_seeds(mesh, count, count);
+  scree_shards* shards = shards_of(mesh, seeds, count, SCREE_CLIP_AUTO);
+  scree_shards_view view;
+  scree_shards_get(shards, &view);
+  assert_int_equal(view.clip, SCREE_CLIP_MESH);
+  assert_int_equal(view.attempts, 0);
+  const shard_input input = input_of(mesh, seeds, count);
+  const double whole = input_volume(&input);
+  double sum = 0;
+  for (uint32_t k = 0; k < view.shard_count; ++k) {
+    assert_true(view.shards[k].volume > 0);
+    sum += view.shards[k].volume;
+  }
+  assert_true(fabs(sum - whole) <= 1e-9 * whole);
+  scree_shards_destroy(shards);
+  free(seeds);
+}
+
+static void concave_solids_become_shards(void** state) {
+  (void)state;
+  solid_mesh mesh = solid_goblin(48, 120);
+  check_shards_of(&mesh, ROUNDS(3000, 5));
+  solid_mesh_free(&mesh);
+  mesh = make_hollow(0.6);
+  check_shards_of(&mesh, 300);
+  solid_mesh_free(&mesh);
+  mesh = make_hollow(0.1);
+  check_shards_of(&mesh, 2);
+  solid_mesh_free(&mesh);
+  for (size_t k = 0; k < sizeof mesh_names / sizeof *mesh_names; ++k) {
+    if (!read_mesh(mesh_names[k], &mesh)) continue;
+    check_shards_of(&mesh, ROUNDS(3000, 5));
+    solid_mesh_free(&mesh);
+  }
+}
+
+static void shards_of_crossing_surfaces_are_refused_with_a_reason(void** state) {
+  (void)state;
+  solid_mesh mesh = solid_torus(2, 0.7, 20, 10), other = solid_torus(2, 0.7, 20, 10);
+  const double move[3] = {1.1, 0.2, 0.3};
+  solid_add(&mesh, &other, move, 1);
+  double* seeds = random_seeds(&mesh, 300, 5);
+  const scree_shards_desc desc = {.solid = solid_of(&mesh), .seeds = seeds, .seed_count = 300};
+  scree_shards* shards;
+  scree_error error = {{0}};
+  assert_int_equal(scree_shards_create(&desc, &shards, &error), SCREE_ERROR_UNSUPPORTED);
+  assert_null(shards);
+  assert_non_null(strstr(error.message, "crosses itself"));
+  free(seeds);
+  solid_mesh_free(&mesh);
+  solid_mesh_free(&other);
 }
 
 int main(int argc, char** argv) {
@@ -419,6 +526,9 @@ int main(int argc, char** argv) {
       cmocka_unit_test(a_thin_sheet_is_cut),
       cmocka_unit_test(meshes_are_cut),
       cmocka_unit_test(a_goblin_is_cut),
+      cmocka_unit_test(walls_and_mesh_give_the_same_shards_of_a_box),
+      cmocka_unit_test(concave_solids_become_shards),
+      cmocka_unit_test(shards_of_crossing_surfaces_are_refused_with_a_reason),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
