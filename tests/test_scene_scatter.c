@@ -179,6 +179,9 @@ static void mistakes_are_told_by_field_and_key(void** state) {
   } cases[] = {
       {"{\"pack\": \"rocks\", \"spacing\": 3, " GROUND "}", "fields[0].pack: ", SCREE_ERROR_PACK_KIND},
       {"{\"pack\": \"models\", \"cell_size\": 3, " GROUND "}", "fields[0].pack: ", SCREE_ERROR_PACK_KIND},
+      {"{\"pack\": \"cliff\", \"spacing\": 3, " GROUND "}", "cliff.scree holds a cliff, whose blocks lie", SCREE_ERROR_PACK_KIND},
+      {"{\"pack\": \"cliff\", \"cell_size\": 3, " GROUND "}", "cliff.scree holds a cliff, which fills no shape",
+       SCREE_ERROR_PACK_KIND},
       {"{\"models\": [\"tree.glb\", \"gone.glb\"], \"spacing\": 3, " GROUND "}",
        "fields[0].models[1]: \"gone.glb\" is neither beside the scene nor in the data folder", SCREE_ERROR_IO},
       {"{\"models\": [\"models.scree\"], \"spacing\": 3, " GROUND "}", "fields[0].models[0]: ", SCREE_ERROR_UNSUPPORTED},
@@ -222,7 +225,7 @@ static void write_bytes(const char* name, uint8_t* bytes, size_t size) {
   free(bytes);
 }
 
-static const char* const files[] = {"models.scree", "rocks.scree", "tree.glb", "bush.glb", "flat.glb"};
+static const char* const files[] = {"models.scree", "rocks.scree", "cliff.scree", "tree.glb", "bush.glb", "flat.glb"};
 
 static int make_folder(void** state) {
   (void)state;
@@ -233,10 +236,12 @@ static int make_folder(void** state) {
   write_bytes(files[0], bytes, size);
   bytes = test_pack_make(&(test_pack_desc){.cells_per_cube = 3}, &size);
   write_bytes(files[1], bytes, size);
+  bytes = test_model_pack_make(&(test_models_desc){.cliff = true}, &size);
+  write_bytes(files[2], bytes, size);
   static const float heights[] = {4, 1, -1}; /* the last points down */
   for (int i = 0; i < 3; ++i) {
     char path[96];
-    snprintf(path, sizeof path, "%s/%s", folder, files[2 + i]);
+    snprintf(path, sizeof path, "%s/%s", folder, files[3 + i]);
     if (!model_file_write(path, 1, heights[i])) return -1;
   }
   return 0;
