@@ -161,29 +161,23 @@ static bool advance(scree_frost* f, search* s, uint32_t others) {
   return false;
 }
 
-/* Of a search that is done, and one that may not be: 1 when the first falls, -1 when the second does, 0 when none, 2 when it is
- * not known yet. wins_tie: the first stays where both are as large. */
+/* Of a search that is done, and one that may not be, not both with core: 1 when the first falls, -1 when the second does, 0 when it
+ * is not known yet. wins_tie: the first stays where both are as large. */
 static int who_falls(const search* whole, const search* other, bool wins_tie) {
-  if (whole->core) return other->core ? 0 : done(other) ? -1 : 2;
+  if (whole->core) return done(other) ? -1 : 0;
   if (other->core || other->count > whole->count) return 1;
   if (other->count == whole->count && !wins_tie) return 1;
-  return done(other) ? -1 : 2;
+  return done(other) ? -1 : 0;
 }
 
 static void detach(scree_frost* f, uint32_t first, uint32_t second) {
   const uint32_t mark = frost_new_marks(f);
   search a = begin(f, f->queues[0], first, mark), b = begin(f, f->queues[1], second, mark + 1);
   for (bool turn = false; !(a.core && b.core); turn = !turn) {
-    int falls = 2;
-    if (done(&a)) {
-      falls = who_falls(&a, &b, true);
-    } else if (done(&b)) {
-      falls = who_falls(&b, &a, false);
-      if (falls == 1 || falls == -1) falls = -falls;
-    }
+    const int falls = done(&a) ? who_falls(&a, &b, true) : done(&b) ? -who_falls(&b, &a, false) : 0;
     if (falls == 1) fall(f, a.queue, a.count);
     if (falls == -1) fall(f, b.queue, b.count);
-    if (falls != 2) return;
+    if (falls != 0) return;
     const bool of_b = done(&a) || (turn && !done(&b));
     if (of_b ? advance(f, &b, a.mark) : advance(f, &a, b.mark)) return;
   }

@@ -5,6 +5,7 @@
 #include <stdio.h>
 
 #include "digest_edits.h"
+#include "digest_frost.h"
 #include "digest_queries.h"
 #include "digest_scatter.h"
 #include "digest_surface.h"
@@ -91,5 +92,7 @@ int main(void) {
   printf("spatial %016" PRIx64 "\n", digest_spatial());
   printf("scatter %016" PRIx64 "\n", digest_scatter());
   printf("surface %016" PRIx64 "\n", digest_surface());
+  printf("shards %016" PRIx64 "\n", digest_shards());
+  printf("frost %016" PRIx64 "\n", digest_frost());
   return 0;
 }
