@@ -153,24 +153,34 @@ static scree_result attempt_shards(const scree_shards_desc* desc, const shard_in
   return result;
 }
 
-static scree_result make_shards(const scree_shards_desc* given, const shard_input* still, const shard_space* space, double* moved,
-                                scree_shards** out, scree_error* error) {
-  scree_shards_desc desc = *given;
+/* As given first, then with seeds moved, as long as the geometry cannot be right. */
+static scree_result try_shards(const scree_shards_desc* desc, const shard_input* still, const shard_space* space, double* moved,
+                               scree_shards** out, scree_error* error) {
   shard_input input = *still;
-  scree_result result = choose_clip(given, still, &desc.clip, error);
-  if (result != SCREE_OK) return result;
   const double reach = MOVED * spacing_of(still);
-  for (uint32_t attempt = 0; attempt <= MOST_ATTEMPTS; ++attempt) {
-    if (told_to_stop(given, 0)) return SCREE_ERROR_CANCELLED;
+  scree_result result = SCREE_ERROR_UNSUPPORTED;
+  for (uint32_t attempt = 0; attempt <= MOST_ATTEMPTS && result == SCREE_ERROR_UNSUPPORTED; ++attempt) {
+    if (told_to_stop(desc, 0)) return SCREE_ERROR_CANCELLED;
     if (attempt > 0) {
       move_seeds(still->seeds, still->seed_count, attempt, reach, moved);
       input.seeds = moved;
     }
-    result = attempt_shards(&desc, &input, space, out, error);
+    result = attempt_shards(desc, &input, space, out, error);
     if (result == SCREE_OK) (*out)->view.attempts = attempt;
-    if (result != SCREE_ERROR_UNSUPPORTED) return result;
   }
   return result;
+}
+
+static scree_result make_shards(const scree_shards_desc* given, const shard_input* input, const shard_space* space, double* moved,
+                                scree_shards** out, scree_error* error) {
+  scree_shards_desc desc = *given;
+  scree_result result = choose_clip(given, input, &desc.clip, error);
+  if (result != SCREE_OK) return result;
+  result = try_shards(&desc, input, space, moved, out, error);
+  if (result != SCREE_ERROR_UNSUPPORTED || given->clip != SCREE_CLIP_AUTO || desc.clip == SCREE_CLIP_MESH) return result;
+  /* Not as convex as it looked. */
+  desc.clip = SCREE_CLIP_MESH;
+  return try_shards(&desc, input, space, moved, out, error);
 }
 
 scree_result scree_shards_create(const scree_shards_desc* desc, scree_shards** out, scree_error* error) {

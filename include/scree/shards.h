@@ -103,8 +103,8 @@ SCREE_API void scree_seeds_free(const scree_allocator* allocator, double* seeds,
 typedef struct scree_shards scree_shards;
 
 typedef enum scree_clip {
-  SCREE_CLIP_AUTO = 0,  /* walls where the solid is convex */
-  SCREE_CLIP_WALLS = 1, /* planes of the triangles cut cells: for convex solids only */
+  SCREE_CLIP_AUTO = 0,  /* walls where the solid is convex and UVs go on evenly over triangles of one plane */
+  SCREE_CLIP_WALLS = 1, /* planes of the triangles cut cells: for such solids only */
   SCREE_CLIP_MESH = 2   /* restricted Voronoi diagram with symbolic vertices: for any */
 } scree_clip;
 
@@ -154,7 +154,9 @@ typedef struct scree_link {
 /* One flat piece of a link: a polygon, convex or not, holes joined in by bridges that are walked both ways. */
 typedef struct scree_polygon {
   uint32_t first_corner, corner_count; /* counter-clockwise seen from outside shards[0] */
-  uint32_t triangle;                   /* of the solid, for exterior links; UINT32_MAX for interior ones */
+  /* Of the solid, for exterior links; UINT32_MAX for interior ones. Where walls cut, the largest triangle of the polygon's plane:
+   * the polygon may reach beyond it, and UVs go on evenly. */
+  uint32_t triangle;
 } scree_polygon;
 
 /* Everything there is to read; arrays owned by the shards. */
