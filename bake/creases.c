@@ -52,8 +52,11 @@ static double dot(const double a[3], const double b[3]) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* An edge is smooth if it has just two triangles, whose normals are near each other. */
-static void join_corners(const scree_solid* solid, const side* sides, uint32_t* parents) {
+/* An edge is smooth if it has just two triangles, whose normals are near each other. what: joined over it, the corners at its ends,
+ * or the triangles. */
+typedef enum joined { CORNERS, TRIANGLES } joined;
+
+static void join_over_edges(const scree_solid* solid, const side* sides, joined what, uint32_t* parents) {
   const uint32_t count = solid->triangle_count * 3;
   for (uint32_t i = 0; i < count;) {
     uint32_t end = i + 1;
@@ -65,8 +68,12 @@ static void join_corners(const scree_solid* solid, const side* sides, uint32_t* 
       area_vector(solid, b / 3, n);
       if (dot(m, n) >= CREASE_COSINE * (sqrt(dot(m, m)) * sqrt(dot(n, n)))) {
         const bool along = solid->indices[a] == solid->indices[b];
-        join(parents, a, along ? b : next_corner(b));
-        join(parents, next_corner(a), along ? next_corner(b) : b);
+        if (what == TRIANGLES) {
+          join(parents, a / 3, b / 3);
+        } else {
+          join(parents, a, along ? b : next_corner(b));
+          join(parents, next_corner(a), along ? next_corner(b) : b);
+        }
       }
     }
     i = end;
@@ -90,22 +97,36 @@ static void add_normals(const scree_solid* solid, uint32_t* parents, double* nor
   }
 }
 
-scree_result crease_normals(const scree_solid* solid, const scree_allocator* allocator, double* normals) {
+/* Joins what smooth edges join. parents: one a corner. */
+static scree_result find_smooth(const scree_solid* solid, joined what, const scree_allocator* allocator, uint32_t* parents) {
   const uint32_t corners = solid->triangle_count * 3;
   side* sides = scree_rt_allocate(allocator, corners, sizeof *sides);
-  uint32_t* parents = scree_rt_allocate(allocator, corners, sizeof *parents);
-  const bool complete = sides != NULL && parents != NULL;
-  if (complete) {
-    for (uint32_t c = 0; c < corners; ++c) {
-      const uint32_t from = solid->indices[c], to = solid->indices[next_corner(c)];
-      sides[c] = (side){from < to ? from : to, from < to ? to : from, c};
-      parents[c] = c;
-    }
-    qsort(sides, corners, sizeof *sides, compare_sides);
-    join_corners(solid, sides, parents);
-    add_normals(solid, parents, normals);
+  if (sides == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
+  for (uint32_t c = 0; c < corners; ++c) {
+    const uint32_t from = solid->indices[c], to = solid->indices[next_corner(c)];
+    sides[c] = (side){from < to ? from : to, from < to ? to : from, c};
+    parents[c] = c;
   }
+  qsort(sides, corners, sizeof *sides, compare_sides);
+  join_over_edges(solid, sides, what, parents);
   scree_rt_release(allocator, sides, corners, sizeof *sides);
+  return SCREE_OK;
+}
+
+scree_result crease_normals(const scree_solid* solid, const scree_allocator* allocator, double* normals) {
+  const uint32_t corners = solid->triangle_count * 3;
+  uint32_t* parents = scree_rt_allocate(allocator, corners, sizeof *parents);
+  const scree_result result = parents != NULL ? find_smooth(solid, CORNERS, allocator, parents) : SCREE_ERROR_OUT_OF_MEMORY;
+  if (result == SCREE_OK) add_normals(solid, parents, normals);
   scree_rt_release(allocator, parents, corners, sizeof *parents);
-  return complete ? SCREE_OK : SCREE_ERROR_OUT_OF_MEMORY;
+  return result;
+}
+
+scree_result crease_charts(const scree_solid* solid, const scree_allocator* allocator, uint32_t* charts) {
+  const uint32_t corners = solid->triangle_count * 3;
+  uint32_t* parents = scree_rt_allocate(allocator, corners, sizeof *parents);
+  const scree_result result = parents != NULL ? find_smooth(solid, TRIANGLES, allocator, parents) : SCREE_ERROR_OUT_OF_MEMORY;
+  for (uint32_t t = 0; result == SCREE_OK && t < solid->triangle_count; ++t) charts[t] = root_of(parents, t);
+  scree_rt_release(allocator, parents, corners, sizeof *parents);
+  return result;
 }

@@ -11,4 +11,7 @@
  * join. Returns SCREE_OK or OUT_OF_MEMORY. */
 scree_result crease_normals(const scree_solid* solid, const scree_allocator* allocator, double* normals);
 
+/* charts: of each triangle, the lowest triangle that smooth edges join it to. Returns SCREE_OK or OUT_OF_MEMORY. */
+scree_result crease_charts(const scree_solid* solid, const scree_allocator* allocator, uint32_t* charts);
+
 #endif

@@ -26,6 +26,7 @@ struct mesh_simplifier {
   uint32_t* first;   /* of each vertex: a corner, 3 * triangle + k, or NONE */
   uint32_t* next;    /* of each corner: another of the same vertex, or NONE */
   quadric* quadrics; /* of each vertex */
+  uint8_t* locked;   /* of each vertex: an edge joins it to another twice, and it stays */
   uint32_t* marks;   /* of each vertex, held against stamp */
   uint32_t stamp;
   uint32_t* target; /* of each vertex: where it would go, or NONE */
@@ -128,6 +129,7 @@ static uint32_t find_ring(mesh_simplifier* s, uint32_t vertex, uint32_t* ring) {
 /* Whether the mesh stays what it is when u goes to v: the two have just the far corners of their two triangles in common, and no
  * triangle across these. */
 static bool keeps_topology(mesh_simplifier* s, uint32_t u, uint32_t v) {
+  if (s->locked[u] || s->locked[v]) return false;
   uint32_t dying = 0, far[2] = {NONE, NONE};
   for (uint32_t c = s->first[u]; c != NONE; c = s->next[c])
     for (uint32_t k = 1; k < 3; ++k)
@@ -362,13 +364,19 @@ static void add_quadrics(mesh_simplifier* s) {
   }
 }
 
-static bool is_closed(const mesh_simplifier* s) {
+/* Whether edges go both ways alike. A mesh that touches itself along an edge within one fan has two edges between the same
+ * vertices: these are locked. */
+static bool is_closed(mesh_simplifier* s) {
   const simplify_mesh* m = &s->mesh;
   for (uint32_t c = 0; c < 3 * m->triangle_count; ++c) {
-    const uint32_t twin = twin_of(s, c);
-    if (twin == NONE || vertex_at(s, c, 0) == vertex_at(s, c, 1)) return false;
-    for (uint32_t other = s->first[vertex_at(s, c, 0)]; other != NONE; other = s->next[other])
-      if (other != c && vertex_at(s, other, 1) == vertex_at(s, c, 1)) return false;
+    const uint32_t from = vertex_at(s, c, 0), to = vertex_at(s, c, 1);
+    uint32_t there = 0, back = 0;
+    for (uint32_t other = s->first[from]; other != NONE; other = s->next[other]) {
+      there += vertex_at(s, other, 1) == to;
+      back += vertex_at(s, other, 2) == to;
+    }
+    if (there != back || from == to) return false;
+    if (there > 1) s->locked[from] = s->locked[to] = 1;
   }
   return true;
 }
@@ -378,6 +386,7 @@ static bool arrays_create(mesh_simplifier* s) {
   s->first = scree_rt_allocate(&s->allocator, vertices, sizeof *s->first);
   s->next = scree_rt_allocate(&s->allocator, corners, sizeof *s->next);
   s->quadrics = scree_rt_allocate_zeroed(&s->allocator, vertices, sizeof *s->quadrics);
+  s->locked = scree_rt_allocate_zeroed(&s->allocator, vertices, 1);
   s->marks = scree_rt_allocate_zeroed(&s->allocator, vertices, sizeof *s->marks);
   s->target = scree_rt_allocate(&s->allocator, vertices, sizeof *s->target);
   s->cost = scree_rt_allocate_zeroed(&s->allocator, vertices, sizeof *s->cost);
@@ -387,8 +396,9 @@ static bool arrays_create(mesh_simplifier* s) {
   s->other = scree_rt_allocate(&s->allocator, vertices, sizeof *s->other);
   s->around = scree_rt_allocate(&s->allocator, vertices, sizeof *s->around);
   s->pending = scree_rt_allocate(&s->allocator, vertices, sizeof *s->pending);
-  return s->first != NULL && s->next != NULL && s->quadrics != NULL && s->marks != NULL && s->target != NULL && s->cost != NULL &&
-         s->heap != NULL && s->slot != NULL && s->ring != NULL && s->other != NULL && s->around != NULL && s->pending != NULL;
+  return s->first != NULL && s->next != NULL && s->quadrics != NULL && s->locked != NULL && s->marks != NULL && s->target != NULL &&
+         s->cost != NULL && s->heap != NULL && s->slot != NULL && s->ring != NULL && s->other != NULL && s->around != NULL &&
+         s->pending != NULL;
 }
 
 scree_result mesh_simplifier_create(const simplify_mesh* mesh, const scree_allocator* allocator, mesh_simplifier** out) {
@@ -428,6 +438,7 @@ void mesh_simplifier_destroy(mesh_simplifier* s) {
   scree_rt_release(&from, s->first, vertices, sizeof *s->first);
   scree_rt_release(&from, s->next, corners, sizeof *s->next);
   scree_rt_release(&from, s->quadrics, vertices, sizeof *s->quadrics);
+  scree_rt_release(&from, s->locked, vertices, 1);
   scree_rt_release(&from, s->marks, vertices, sizeof *s->marks);
   scree_rt_release(&from, s->target, vertices, sizeof *s->target);
   scree_rt_release(&from, s->cost, vertices, sizeof *s->cost);

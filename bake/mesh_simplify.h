@@ -14,7 +14,7 @@
 /* Arrays are the caller's; simplifying works in them. A triangle that is gone has corner[0] == SIMPLIFY_GONE. */
 typedef struct simplify_mesh {
   int16_t (*positions)[3];
-  uint32_t (*corners)[3]; /* counter-clockwise from outside; each edge has exactly two triangles: see mesh_split_fans */
+  uint32_t (*corners)[3]; /* counter-clockwise from outside; closed, with one fan around each vertex: see mesh_split_fans */
   float (*uvs)[3][2];     /* of each triangle's corners */
   const uint32_t* groups; /* of each triangle */
   const uint8_t* materials;
@@ -25,7 +25,7 @@ typedef struct simplify_mesh {
 
 typedef struct mesh_simplifier mesh_simplifier;
 
-/* Returns SCREE_OK, INVALID_ARGUMENT (an edge that has not two triangles, one in each direction) or OUT_OF_MEMORY. */
+/* Returns SCREE_OK, INVALID_ARGUMENT (not closed) or OUT_OF_MEMORY. */
 scree_result mesh_simplifier_create(const simplify_mesh* mesh, const scree_allocator* allocator, mesh_simplifier** out);
 void mesh_simplifier_destroy(mesh_simplifier* simplifier); /* NULL is allowed */
 

@@ -41,7 +41,7 @@ typedef struct shard_asset {
   float height;                      /* of the highest place above the origin */
   int16_t hull[ROCK_MAX_HULL][3];    /* lattice steps, of all of it */
   uint32_t hull_count;               /* 4..ROCK_MAX_HULL */
-  shard_part parts[SHARD_PARTS_MAX]; /* convex parts that together hold every shard; of a block its hull */
+  shard_part parts[SHARD_PARTS_MAX]; /* convex parts that together hold nearly all of every shard; of a block its hull */
   uint32_t part_count;               /* 1..SHARD_PARTS_MAX */
   float hull_air, parts_air;         /* share of the volume of the hull, and of the sum of the parts, that is not rock */
   float uv_min[2], uv_max[2];        /* of all levels */
@@ -53,7 +53,7 @@ typedef struct shard_asset_desc {
   const uint8_t* durability; /* of each shard, the byte of the pack; NULL = 64 */
   double origin[3];
   double rotation[4]; /* unit quaternion x, y, z, w about the origin, before anything else: a block as it lies; all zero = none */
-  double steps_per_metre; /* > 0; everything must lie within 32767 steps of the origin */
+  double steps_per_metre; /* > 0; everything must lie within 16384 steps of the origin */
   uint32_t lods;          /* 1..ROCK_MAX_LODS */
   bool block;             /* no ground darkens it, one convex part */
   scree_jobs jobs;        /* all zero = none */
