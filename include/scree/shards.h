@@ -179,6 +179,7 @@ typedef struct scree_shards_view {
   const scree_solid* solid; /* the copy */
 } scree_shards_view;
 
+/* All of the above at once; valid until scree_shards_destroy. */
 SCREE_API void scree_shards_get(const scree_shards* shards, scree_shards_view* out);
 
 /* Names the shards: equal for equal ones. */
