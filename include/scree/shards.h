@@ -63,18 +63,22 @@ SCREE_API void scree_solid_free(const scree_allocator* allocator, scree_solid_me
 /* --- seeds ------------------------------------------------------------------------------------------------------------------ */
 
 typedef enum scree_seed_kind {
-  SCREE_SEEDS_RANDOM = 0, /* uniform in the solid */
-  SCREE_SEEDS_GRID = 1,   /* a grid of cubes, each seed moved by up to `jitter` of half the spacing along each axis */
-  SCREE_SEEDS_COLUMNS =
-      2, /* hexagonal columns: a hexagonal lattice in the plane across the up axis of `orientation`, `length` long */
+  SCREE_SEEDS_RANDOM = 0,  /* uniform in the solid */
+  SCREE_SEEDS_GRID = 1,    /* a grid of cubes, each seed moved by up to `jitter` of half the spacing along each axis */
+  SCREE_SEEDS_COLUMNS = 2, /* hexagonal columns: a hexagonal lattice in the plane across `up`, `length` long */
   SCREE_SEEDS_SLABS = 3,   /* layers of the thicknesses of `layers`, each cut by a grid */
   SCREE_SEEDS_POISSON = 4, /* no two nearer than a radius that goes from `spacing` at the lower end of `grade` to `spacing_end` */
   SCREE_SEEDS_POINTS = 5   /* those given */
 } scree_seed_kind;
 
-/* Where seeds are. A pattern is laid in its own space, whose y axis `orientation` turns to lie along `up`; `stretch` makes cells
- * longer along the pattern's axes. Seeds reach a little beyond the solid where the pattern goes on outside it, so that cells at
- * the surface have the pattern's shape. */
+/* Where seeds are. A pattern is laid in its own space, whose y axis is turned to lie along `up`; `stretch` makes cells longer along
+ * the pattern's axes, so that lengths below are before stretch. Seeds reach a little beyond the solid where the pattern goes on
+ * outside it, so that cells at the surface have the pattern's shape; to have it at all, they must be cut with the same `up` and
+ * `stretch` (scree_shards_desc).
+ *
+ * Columns with joints have upright sides where `length` is small against `spacing`, by a quarter or less, and stretch[1] makes them
+ * long: without it, joints at different heights tilt the sides between them. A layer of slabs that has less than about half of its
+ * thickness above or below it is cut once more in between, so that all joints are flat and where they should be. */
 typedef struct scree_seed_pattern {
   scree_seed_kind kind;
   uint32_t count;       /* RANDOM: seeds; the others, but POINTS: 0 = by spacing, or so many cells by volume, 1..1e6 */
