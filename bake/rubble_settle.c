@@ -9,6 +9,12 @@ enum { DIRECTIONS = 8, LOOK_AHEAD = 6 };
 
 static const int32_t directions[DIRECTIONS][2] = {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}};
 
+/* floor, without a call to it where the processor has no instruction for it. */
+static int32_t whole_below(double value) {
+  const int32_t whole = (int32_t)value;
+  return whole - (value < whole);
+}
+
 static double step_length(const rubble_mover* m, int direction) {
   return m->solid->size * (direction % 2 ? sqrt(2.0) : 1);
 }
@@ -42,19 +48,20 @@ static void cover(const double a[3], const double b[3], const double c[3], const
                   rubble_cell* cells) {
   const double area = (b[0] - a[0]) * (c[2] - a[2]) - (b[2] - a[2]) * (c[0] - a[0]);
   if (!(area > 1e-9 || area < -1e-9)) return;
-  double low[2], high[2];
+  const double inverse = 1 / area;
+  int32_t low[2], high[2];
   for (int axis = 0; axis < 2; ++axis) {
     const double u = a[2 * axis], v = b[2 * axis], w = c[2 * axis];
-    low[axis] = floor((u < v ? (u < w ? u : w) : (v < w ? v : w)) - 0.5);
-    high[axis] = floor((u > v ? (u > w ? u : w) : (v > w ? v : w)) + 0.5);
+    low[axis] = whole_below((u < v ? (u < w ? u : w) : (v < w ? v : w)) + 0.5 - 1e-9);
+    high[axis] = whole_below((u > v ? (u > w ? u : w) : (v > w ? v : w)) - 0.5 + 1e-9);
     if (low[axis] < from[axis]) low[axis] = from[axis];
     if (high[axis] > from[axis] + side[axis] - 1) high[axis] = from[axis] + side[axis] - 1;
   }
-  for (int32_t k = (int32_t)low[1]; k <= (int32_t)high[1]; ++k)
-    for (int32_t i = (int32_t)low[0]; i <= (int32_t)high[0]; ++i) {
+  for (int32_t k = low[1]; k <= high[1]; ++k)
+    for (int32_t i = low[0]; i <= high[0]; ++i) {
       const double x = i + 0.5, z = k + 0.5;
-      const double wa = ((b[0] - x) * (c[2] - z) - (b[2] - z) * (c[0] - x)) / area;
-      const double wb = ((c[0] - x) * (a[2] - z) - (c[2] - z) * (a[0] - x)) / area, wc = 1 - wa - wb;
+      const double wa = ((b[0] - x) * (c[2] - z) - (b[2] - z) * (c[0] - x)) * inverse;
+      const double wb = ((c[0] - x) * (a[2] - z) - (c[2] - z) * (a[0] - x)) * inverse, wc = 1 - wa - wb;
       if (wa < -1e-9 || wb < -1e-9 || wc < -1e-9) continue;
       const double height = wa * a[1] + wb * b[1] + wc * c[1];
       rubble_cell* cell = &cells[(i - from[0]) + side[0] * (k - from[1])];
@@ -76,8 +83,8 @@ void rubble_rasterise(const rubble_mover* m, const double turn[4], const double 
   }
   int32_t from[2], side[2];
   for (int axis = 0; axis < 2; ++axis) {
-    from[axis] = (int32_t)floor(low[axis]);
-    side[axis] = (int32_t)floor(high[axis]) - from[axis] + 1;
+    from[axis] = whole_below(low[axis]);
+    side[axis] = whole_below(high[axis]) - from[axis] + 1;
   }
   const uint32_t all = (uint32_t)(side[0] * side[1]);
   for (uint32_t c = 0; c < all; ++c)
@@ -92,7 +99,7 @@ void rubble_rasterise(const rubble_mover* m, const double turn[4], const double 
     out->cells[c].high = out->cells[c].mid_high;
   }
   for (uint32_t p = 0; p < hull->point_count; ++p) {
-    const int32_t i = (int32_t)floor(places[p][0]) - from[0], k = (int32_t)floor(places[p][2]) - from[1];
+    const int32_t i = whole_below(places[p][0]) - from[0], k = whole_below(places[p][2]) - from[1];
     widen(&out->cells[i + side[0] * k], places[p][1]);
   }
   out->count = 0;
