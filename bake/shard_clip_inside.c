@@ -7,7 +7,7 @@
 
 static void span(const clip_rays* rays, double low, double high, int axis, uint32_t out[2]) {
   const double last = (double)rays->size[axis] - 1;
-  const double a = floor((low - rays->min[axis]) * rays->scale[axis]), b = floor((high - rays->min[axis]) * rays->scale[axis]);
+  const double a = (low - rays->min[axis]) * rays->scale[axis], b = (high - rays->min[axis]) * rays->scale[axis];
   out[0] = !(a > 0) ? 0 : a > last ? (uint32_t)last : (uint32_t)a;
   out[1] = !(b > 0) ? 0 : b > last ? (uint32_t)last : (uint32_t)b;
 }

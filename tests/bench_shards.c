@@ -8,11 +8,12 @@
 #include <string.h>
 
 #include "convex_solids.h"
+#include "make_solids.h"
 #ifdef SCREE_VORO
 #include "voro_cells.h"
 #endif
 
-enum { CELLS = 10000, ROUNDS = 9 };
+enum { CELLS = 10000, CONCAVE_CELLS = 3000, ROUNDS = 9 };
 
 static const double MIN[3] = {-1.01, -0.01, -1.01}, MAX[3] = {1.01, 0.91, 1.01};
 
@@ -67,8 +68,41 @@ static void bench_cells(void) {
   fflush(stdout);
 }
 
+/* The same of a block that weather has worn, of 75,000 triangles, with all checks. */
+static void bench_concave(void) {
+  solid_mesh mesh = solid_goblin(84, 100);
+  const scree_seed_pattern pattern = {.kind = SCREE_SEEDS_RANDOM, .count = CONCAVE_CELLS, .random_seed = 1};
+  scree_shards_desc desc = {.solid = {.positions = mesh.positions,
+                                      .indices = mesh.indices,
+                                      .vertex_count = mesh.vertex_count,
+                                      .triangle_count = mesh.triangle_count}};
+  double *seeds, times[ROUNDS];
+  scree_error error;
+  if (scree_seeds_create(&pattern, &desc.solid, NULL, &seeds, &desc.seed_count, &error) != SCREE_OK) die(error.message);
+  desc.seeds = seeds;
+  uint32_t count = 0, links = 0;
+  for (int round = 0; round < ROUNDS; ++round) {
+    scree_shards* shards;
+    const double from = seconds();
+    if (scree_shards_create(&desc, &shards, &error) != SCREE_OK) die(error.message);
+    times[round] = (seconds() - from) * 1e3;
+    scree_shards_view view;
+    scree_shards_get(shards, &view);
+    if (view.attempts > 0) die("seeds were moved");
+    count = view.shard_count;
+    links = view.link_count;
+    scree_shards_destroy(shards);
+  }
+  printf("{\"name\": \"shards.concave_3k\", \"value\": %.4g, \"unit\": \"ms\", \"triangles\": %u, \"shards\": %u, \"links\": %u}\n",
+         median(times, ROUNDS), mesh.triangle_count, count, links);
+  fflush(stdout);
+  scree_seeds_free(NULL, seeds, desc.seed_count);
+  solid_mesh_free(&mesh);
+}
+
 int main(int argc, char** argv) {
   const char* prefix = argc > 1 ? argv[1] : "";
   if (strncmp("shards.cells_10k", prefix, strlen(prefix)) == 0) bench_cells();
+  if (strncmp("shards.concave_3k", prefix, strlen(prefix)) == 0) bench_concave();
   return 0;
 }
