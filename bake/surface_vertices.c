@@ -53,7 +53,7 @@ static void weights_of(const vertex_work* w, uint32_t triangle, uint32_t vertex,
     const double *a = solid->positions + (size_t)3 * place->on[0], *b = solid->positions + (size_t)3 * place->on[1];
     for (uint32_t k = 0; k < 3; ++k) edge[k] = b[k] - a[k], off[k] = p[k] - a[k];
     const double length2 = dot(edge, edge), t = length2 > 0 ? dot(off, edge) / length2 : 0;
-    weights[high] = t < 0 ? 0 : t > 1 ? 1 : t;
+    weights[high] = t; /* polygons that walls cut may reach beyond their triangle */
     weights[low] = 1 - weights[high];
     return;
   }
