@@ -7,6 +7,7 @@
 #include "allocator.h"
 #include "clock.h"
 #include "draco_encode.h"
+#include "hoodoo_model.h"
 #include "hoodoo_recipe.h"
 #include "pack_format.h"
 #include "pack_writer.h"
@@ -407,6 +408,48 @@ static scree_result read_digest(const hoodoo_bake* bake, const uint8_t* bytes, s
   *digest = info.digest;
   scree_pack_close(pack);
   return SCREE_OK;
+}
+
+scree_result hoodoo_model_make(const scree_hoodoo_desc* desc, uint32_t variant, uint32_t age, uint32_t lods, weather_asset* out,
+                               uint32_t* steps_per_metre, scree_error* error) {
+  const scree_hoodoo_recipe* recipe = desc->recipe;
+  const scree_allocator allocator = scree_rt_allocator_or_default(&desc->allocator);
+  const uint32_t ages = recipe->age_count > 0 ? recipe->age_count : recipe->age_step_count;
+  memset(out, 0, sizeof *out);
+  scree_result result = hoodoo_check_all(recipe, error);
+  if (result != SCREE_OK) return result;
+  if (variant >= recipe->variants || age >= ages) {
+    recipe_say(error, "variant %u, age %u: the recipe has %u variants of %u ages", variant, age, recipe->variants, ages);
+    return SCREE_ERROR_RANGE;
+  }
+  hoodoo_bake* bake = scree_rt_allocate_zeroed(&allocator, 1, sizeof *bake);
+  if (bake == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
+  bake->desc = desc;
+  bake->recipe = *recipe;
+  bake->recipe.variants = 1;
+  bake->allocator = allocator;
+  bake->inner = desc->jobs;
+  bake->memory_limit = desc->memory_limit > 0 ? desc->memory_limit : (size_t)4 << 30;
+  bake->ages = 1;
+  atomic_flag_clear(&bake->reporting);
+  bake->errors = scree_rt_allocate_zeroed(&allocator, (size_t)variant + 1, sizeof *bake->errors);
+  variant_run run = {.bake = bake, .variant = variant, .rules = recipe->rules};
+  result = bake->errors == NULL ? SCREE_ERROR_OUT_OF_MEMORY : choose_lattice(bake, error);
+  if (result == SCREE_OK) {
+    scree_weather_stats stats;
+    result = start_variant(&run);
+    if (result == SCREE_OK) result = advance(&run, age, &stats);
+    if (result != SCREE_OK && error != NULL && bake->errors[variant].message[0] != '\0') *error = bake->errors[variant];
+  }
+  if (result == SCREE_OK) {
+    result = weather_asset_make(run.mesher, recipe->size, bake->lattice, lods, &allocator, out);
+    *steps_per_metre = bake->steps_a_metre;
+  }
+  scree_mesher_destroy(run.mesher);
+  scree_weather_destroy(run.weather);
+  scree_rt_release(&allocator, bake->errors, (size_t)variant + 1, sizeof *bake->errors);
+  scree_rt_release(&allocator, bake, 1, sizeof *bake);
+  return result;
 }
 
 scree_result scree_hoodoo_bake(const scree_hoodoo_desc* desc, uint8_t** bytes, size_t* size, scree_bake_report* report_out,

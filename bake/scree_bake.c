@@ -1,7 +1,8 @@
-/* scree-bake: a recipe file in, a pack file out. A thin program over scree/bake.h and scree/hoodoo.h. */
+/* scree-bake: a recipe file in, a pack file out. A thin program over scree/bake.h, scree/hoodoo.h and
+ * scree/shard_recipe.h. */
 #define _POSIX_C_SOURCE 200809L
 #include <errno.h>
-#include <scree/hoodoo.h>
+#include <scree/shard_recipe.h>
 #include <scree/threads.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,18 +17,20 @@ static const char usage[] =
     "\n"
     "Bakes all unique rocks of a recipe into a pack: meshes at several levels of detail, hulls, contacts,\n"
     "and merged meshes of tiles for far fields (--set proxies=false leaves these out). A recipe with\n"
-    "\"kind\": \"hoodoo\" is weathered instead: its variants, each in several ages.\n"
+    "\"kind\": \"hoodoo\" is weathered instead: its variants, each in several ages. One with \"kind\": \"shards\"\n"
+    "is split and broken by frost: what stands at several times, and the blocks that fell with their places.\n"
     "\n"
     "  -o, --output FILE    the pack to write (a temporary file beside it is renamed when all is well)\n"
     "      --set KEY=VALUE  override a key of the recipe, VALUE as in JSON: --set n=5 --set g=[1,2]; may be repeated;\n"
-    "                       of hoodoos also --set start.radius=40\n"
+    "                       of hoodoos also --set start.radius=40, of shards --set seeds.count=500\n"
     "      --threads N      worker threads, 1..64; default: one a processor. The pack does not depend on it\n"
-    "      --report FILE    write rocks or models, triangles, bytes, digest and seconds by stage as JSON; - is standard output\n"
+    "      --report FILE    write rocks, models or assets, triangles, bytes, digest and seconds by stage as JSON; - is standard\n"
+    "                       output\n"
     "      --print-recipe   print the recipe with every key and its value, and stop\n"
     "  -q, --quiet          no progress, no summary\n"
     "      --help, --version\n"
     "\n"
-    "The keys of a recipe are described in content/schema/recipe.schema.json and hoodoo.schema.json.\n"
+    "The keys of a recipe are described in content/schema: recipe.schema.json, hoodoo.schema.json, shards.schema.json.\n"
     "Exit status: 0 done, 1 the machine failed (out of memory, disk full), 2 a mistake in the arguments or the recipe.\n";
 
 typedef struct options {
@@ -143,15 +146,26 @@ static bool show_progress(void* user, const char* stage, double done) {
   return true;
 }
 
-/* What was baked, of either kind. */
+/* What was baked, of any kind. */
 typedef struct baked {
   const char* name;   /* the recipe's */
-  const char* pieces; /* "rocks" or "models" */
+  const char* pieces; /* "rocks", "models" or "assets" */
   uint32_t lod_levels, threads;
   uint8_t* bytes;
   size_t size;
   scree_bake_report report;
+  bool has_shards;
+  scree_shard_report shards; /* where it has some */
 } baked;
+
+/* Members of the report that only shards have. */
+static void describe_shards(const scree_shard_report* shards, char* text, size_t capacity) {
+  snprintf(text, capacity,
+           "  \"shards\": %u,\n  \"interior_links\": %u,\n  \"exterior_links\": %u,\n  \"times\": %u,\n  \"blocks\": %u,\n"
+           "  \"placements\": %u,\n  \"paths\": %llu,\n  \"breaks\": %llu,\n  \"share\": %.6f,\n",
+           shards->shards, shards->interior_links, shards->exterior_links, shards->times, shards->blocks, shards->placements,
+           (unsigned long long)shards->paths, (unsigned long long)shards->breaks, shards->share);
+}
 
 static bool write_report(const char* path, const baked* pack, scree_error* error) {
   const scree_bake_report* report = &pack->report;
@@ -171,10 +185,12 @@ static bool write_report(const char* path, const baked* pack, scree_error* error
           report->rocks, (unsigned long long)report->contacts, (unsigned long long)report->triangles);
   for (uint32_t level = 0; level < pack->lod_levels; ++level)
     fprintf(out, "%s%llu", level == 0 ? "" : ", ", (unsigned long long)report->lod_triangles[level]);
+  char shards[512] = "";
+  if (pack->has_shards) describe_shards(&pack->shards, shards, sizeof shards);
   fprintf(out,
-          "],\n  \"proxies\": %u,\n  \"proxy_triangles\": %llu,\n  \"proxy_bytes\": %llu,\n  \"bytes\": %llu,\n  \"digest\": "
+          "],\n%s  \"proxies\": %u,\n  \"proxy_triangles\": %llu,\n  \"proxy_bytes\": %llu,\n  \"bytes\": %llu,\n  \"digest\": "
           "\"%016llx\",\n  \"threads\": %u,\n  \"version\": \"%s\",\n  \"seconds\": {\n",
-          report->proxies, (unsigned long long)report->proxy_triangles, (unsigned long long)report->proxy_bytes,
+          shards, report->proxies, (unsigned long long)report->proxy_triangles, (unsigned long long)report->proxy_bytes,
           (unsigned long long)report->bytes, (unsigned long long)report->digest, pack->threads, scree_version_string());
   for (uint32_t s = 0; s < report->stage_count; ++s)
     fprintf(out, "    \"%s\": %.3f,\n", report->stages[s].name, report->stages[s].seconds);
@@ -187,12 +203,40 @@ static bool write_report(const char* path, const baked* pack, scree_error* error
   return good;
 }
 
-/* Which of the two recipes it is, and what goes with it. */
+/* Which of the recipes it is, and what goes with it. */
 typedef struct any_recipe {
   scree_recipe_kind kind;
   scree_recipe rocks;
   scree_hoodoo_recipe hoodoo;
+  scree_shard_recipe shards;
 } any_recipe;
+
+static scree_result parse_recipe(const char* text, size_t size, any_recipe* out, scree_error* error) {
+  switch (out->kind) {
+    case SCREE_RECIPE_HOODOO: return scree_hoodoo_parse(text, size, &out->hoodoo, error);
+    case SCREE_RECIPE_SHARDS: return scree_shard_recipe_parse(text, size, &out->shards, error);
+    case SCREE_RECIPE_ROCKS: break;
+  }
+  return scree_recipe_parse(text, size, &out->rocks, error);
+}
+
+static scree_result set_key(any_recipe* recipe, const char* set, scree_error* error) {
+  switch (recipe->kind) {
+    case SCREE_RECIPE_HOODOO: return scree_hoodoo_set(&recipe->hoodoo, set, error);
+    case SCREE_RECIPE_SHARDS: return scree_shard_recipe_set(&recipe->shards, set, error);
+    case SCREE_RECIPE_ROCKS: break;
+  }
+  return scree_recipe_set(&recipe->rocks, set, error);
+}
+
+static size_t write_recipe(const any_recipe* recipe, char* text, size_t capacity) {
+  switch (recipe->kind) {
+    case SCREE_RECIPE_HOODOO: return scree_hoodoo_write(&recipe->hoodoo, text, capacity);
+    case SCREE_RECIPE_SHARDS: return scree_shard_recipe_write(&recipe->shards, text, capacity);
+    case SCREE_RECIPE_ROCKS: break;
+  }
+  return scree_recipe_write(&recipe->rocks, text, capacity);
+}
 
 /* Returns -1 to go on, else the exit status. */
 static int read_recipe(const options* given, any_recipe* out) {
@@ -201,28 +245,19 @@ static int read_recipe(const options* given, any_recipe* out) {
   char* text = read_text(given->recipe, &size);
   if (text == NULL) return fail(2, given->recipe, strerror(errno));
   scree_result result = scree_recipe_get_kind(text, size, &out->kind, &error);
-  const bool hoodoo = out->kind == SCREE_RECIPE_HOODOO;
-  if (result == SCREE_OK)
-    result = hoodoo ? scree_hoodoo_parse(text, size, &out->hoodoo, &error) : scree_recipe_parse(text, size, &out->rocks, &error);
+  if (result == SCREE_OK) result = parse_recipe(text, size, out, &error);
   free(text);
   if (result != SCREE_OK) return fail(2, given->recipe, error.message);
-  for (uint32_t s = 0; s < given->set_count; ++s) {
-    const char* set = given->sets[s];
-    result = hoodoo ? scree_hoodoo_set(&out->hoodoo, set, &error) : scree_recipe_set(&out->rocks, set, &error);
-    if (result != SCREE_OK) return fail(2, "--set", error.message);
-  }
+  for (uint32_t s = 0; s < given->set_count; ++s)
+    if (set_key(out, given->sets[s], &error) != SCREE_OK) return fail(2, "--set", error.message);
   return -1;
 }
 
 static int print_recipe(const any_recipe* recipe) {
-  const bool hoodoo = recipe->kind == SCREE_RECIPE_HOODOO;
-  const size_t size = (hoodoo ? scree_hoodoo_write(&recipe->hoodoo, NULL, 0) : scree_recipe_write(&recipe->rocks, NULL, 0)) + 1;
+  const size_t size = write_recipe(recipe, NULL, 0) + 1;
   char* text = malloc(size);
   if (text == NULL) return fail(1, "--print-recipe", "out of memory");
-  if (hoodoo)
-    scree_hoodoo_write(&recipe->hoodoo, text, size);
-  else
-    scree_recipe_write(&recipe->rocks, text, size);
+  write_recipe(recipe, text, size);
   fputs(text, stdout);
   free(text);
   return 0;
@@ -255,6 +290,33 @@ static scree_result bake_hoodoo(const any_recipe* recipe, const char* path, cons
   return result;
 }
 
+static scree_result bake_shards(const any_recipe* recipe, const char* path, const scree_jobs* jobs, bool terminal, baked* out,
+                                scree_error* error) {
+  scree_shard_desc desc = {.recipe = &recipe->shards, .jobs = *jobs, .progress = terminal ? show_progress : NULL};
+  out->name = recipe->shards.name;
+  out->pieces = "assets";
+  out->lod_levels = recipe->shards.lod_levels;
+  shard_files files;
+  scree_result result = shard_files_read(&recipe->shards, path, &files, error);
+  if (result != SCREE_OK) return result;
+  shard_files_give(&files, &desc);
+  result = scree_shards_bake(&desc, &out->bytes, &out->size, &out->shards, error);
+  out->report = out->shards.bake;
+  out->has_shards = true;
+  shard_files_free(&files);
+  return result;
+}
+
+static scree_result bake(const any_recipe* recipe, const char* path, const scree_jobs* jobs, bool terminal, baked* out,
+                         scree_error* error) {
+  switch (recipe->kind) {
+    case SCREE_RECIPE_HOODOO: return bake_hoodoo(recipe, path, jobs, terminal, out, error);
+    case SCREE_RECIPE_SHARDS: return bake_shards(recipe, path, jobs, terminal, out, error);
+    case SCREE_RECIPE_ROCKS: break;
+  }
+  return bake_rocks(recipe, jobs, terminal, out, error);
+}
+
 /* A mistake of the recipe, and not of the machine. */
 static bool is_mistake(scree_result result) {
   return result != SCREE_ERROR_OUT_OF_MEMORY && result != SCREE_ERROR_UNSUPPORTED && result != SCREE_ERROR_CANCELLED;
@@ -283,8 +345,7 @@ int main(int count, char** arguments) {
   if (result != SCREE_OK) return fail(1, "threads", scree_result_string(result));
   const scree_jobs jobs = scree_threads_jobs(pool);
   baked pack = {.threads = jobs.worker_count};
-  result = recipe.kind == SCREE_RECIPE_HOODOO ? bake_hoodoo(&recipe, given.recipe, &jobs, terminal, &pack, &error)
-                                              : bake_rocks(&recipe, &jobs, terminal, &pack, &error);
+  result = bake(&recipe, given.recipe, &jobs, terminal, &pack, &error);
   scree_threads_destroy(pool);
   if (terminal) fprintf(stderr, "\r%*s\r", 60, "");
   if (result != SCREE_OK)
@@ -292,10 +353,14 @@ int main(int count, char** arguments) {
 
   int exit_status = 0;
   if (!write_file(given.output, pack.bytes, pack.size, &error)) exit_status = fail_with_file(1, &error);
-  scree_bake_free(&(scree_bake_desc){0}, pack.bytes, pack.size); /* both kinds come from the default allocator */
+  scree_bake_free(&(scree_bake_desc){0}, pack.bytes, pack.size); /* all kinds come from the default allocator */
   if (exit_status == 0 && given.report != NULL && !write_report(given.report, &pack, &error))
     exit_status = fail_with_file(1, &error);
   const scree_bake_report* report = &pack.report;
+  if (exit_status == 0 && terminal && pack.has_shards)
+    fprintf(stderr, "%s: %u shards, %u times, %u blocks in %u places, %.1f %% stands after %llu paths\n", given.output,
+            pack.shards.shards, pack.shards.times, pack.shards.blocks, pack.shards.placements, 100 * pack.shards.share,
+            (unsigned long long)pack.shards.paths);
   if (exit_status == 0 && terminal)
     fprintf(stderr, "%s: %u %s, %llu triangles, %.1f MB, digest %016llx, %.1f s\n", given.output, report->rocks, pack.pieces,
             (unsigned long long)report->triangles, (double)report->bytes * 1e-6, (unsigned long long)report->digest,

@@ -212,8 +212,8 @@ typedef struct scree_shard_report {
 
 /* Splits, weathers and packs. The pack is of kind SCREE_PACK_CLIFF: per time what stands, and the blocks that fell with their
  * places. The bytes do not depend on jobs, compiler or machine, the Draco blobs' own encoding excepted. bytes, size: the pack, to
- * be freed with scree_shards_bake_free. report, error: may be NULL. Returns SCREE_OK, RANGE, INVALID_ARGUMENT (what was not given;
- * nothing stands at a time), NOT_CLOSED, OUT_OF_MEMORY, UNSUPPORTED (a solid that crosses itself; a build without Draco) or
+ * be freed with scree_shards_bake_free. report, error: may be NULL. Returns SCREE_OK, RANGE, NOT_CLOSED, INVALID_ARGUMENT (what was
+ * not given; a solid that crosses itself; nothing stands at a time), OUT_OF_MEMORY, UNSUPPORTED (a build without Draco) or
  * CANCELLED. */
 SCREE_API scree_result scree_shards_bake(const scree_shard_desc* desc, uint8_t** bytes, size_t* size, scree_shard_report* report,
                                          scree_error* error);

@@ -1,8 +1,9 @@
 /* Prints the digests that must be the same on every compiler, optimisation level and CPU, one `name value` a line. Only our own C
  * is linked, so that it cross-compiles with nothing but a compiler; content/golden/small.txt holds what it must print. */
 #include <inttypes.h>
-#include <scree/hoodoo.h>
+#include <scree/shard_recipe.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "digest_edits.h"
 #include "digest_frost.h"
@@ -75,17 +76,69 @@ static scree_result digest_hoodoo(uint64_t* digest) {
   return result;
 }
 
+/* The recipe of content/golden/small_shards.json: seeds, cutting, frost, stability, rubble and assets, on few shards. */
+static scree_result digest_cliff(uint64_t* digest) {
+  static scree_shard_recipe recipe;
+  scree_shard_recipe_default(&recipe);
+  strcpy(recipe.name, "small shards");
+  recipe.input.radius = 4;
+  recipe.input.height = 5;
+  recipe.input.sides = 7;
+  recipe.input.rings = 2;
+  recipe.seeds.kind = SCREE_SEEDS_GRID;
+  recipe.seeds.count = 120;
+  recipe.seeds.jitter = 0.7;
+  recipe.seeds.up[0] = 0.2;
+  recipe.seeds.up[2] = 0.1;
+  scree_shard_rules* rules = &recipe.rules;
+  rules->frost.rains[0] = (scree_rain){{0.3, -1, 0.1}, 0.5, 1};
+  rules->frost.rains[1] = (scree_rain){{1, 0, 0}, 0.1, 0.5};
+  rules->frost.rain_count = 2;
+  rules->frost.resistance.kind = SCREE_RESISTANCE_LAYERS;
+  rules->frost.resistance.amplitude = 0.2;
+  rules->frost.resistance.period = 2;
+  rules->frost.resistance.layer_count = 2;
+  rules->layers[0][1] = 0.7;
+  rules->layers[1][0] = 3;
+  rules->layers[1][1] = 0.3;
+  rules->frost.resistance_absorption = 0.05;
+  rules->frost.damage = 6;
+  rules->frost.strength = 300000;
+  rules->frost.stability_interval = 8;
+  recipe.states[0] = (scree_shard_region){.where = SCREE_SHARD_AT_BASE, .state = SCREE_SHARD_CORE};
+  recipe.state_count = 1;
+  recipe.phases[0] = (scree_shard_phase){.share = -1, .paths = 400, .changes = SCREE_SHARD_DAMAGE | SCREE_SHARD_FALL_LIFE};
+  recipe.phases[0].rules.frost.damage = 9;
+  recipe.phases[0].rules.frost.fall_life = 0.3;
+  recipe.phase_count = 1;
+  recipe.path_count = 3;
+  recipe.paths[0] = 0;
+  recipe.paths[1] = 300;
+  recipe.paths[2] = 900;
+  recipe.lod_levels = 2;
+  scree_shard_report report = {0};
+  uint8_t* bytes = NULL;
+  size_t size = 0;
+  const scree_shard_desc desc = {.recipe = &recipe};
+  const scree_result result = scree_shards_bake(&desc, &bytes, &size, &report, NULL);
+  scree_shards_bake_free(&desc, bytes, size);
+  *digest = report.bake.digest;
+  return result;
+}
+
 int main(void) {
   printf("lattice %016" PRIx64 "\n", digest_lattice());
-  uint64_t pack, hoodoo = 0;
+  uint64_t pack, hoodoo = 0, cliff = 0;
   scree_result result = digest_pack(&pack);
   if (result == SCREE_OK) result = digest_hoodoo(&hoodoo);
+  if (result == SCREE_OK) result = digest_cliff(&cliff);
   if (result != SCREE_OK) {
     fprintf(stderr, "digest_small: %s\n", scree_result_string(result));
     return 1;
   }
   printf("pack %016" PRIx64 "\n", pack);
   printf("hoodoo %016" PRIx64 "\n", hoodoo);
+  printf("cliff %016" PRIx64 "\n", cliff);
   printf("queries %016" PRIx64 "\n", digest_queries());
   printf("edits %016" PRIx64 "\n", digest_edits());
   printf("convex %016" PRIx64 "\n", digest_convex());
