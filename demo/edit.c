@@ -207,6 +207,7 @@ static uint32_t count_nodes(const scene_node* node) {
 
 /* Room for `more` nodes, and a group above them, in a tree that a scene file may hold. */
 static bool has_room(const editor* e, uint32_t more) {
+  if (e->scene->fields[e->field].is_cliff) return false; /* it has no shapes */
   return count_nodes(e->scene->fields[e->field].support) + more + 1 <= SCENE_NODES_MAX;
 }
 

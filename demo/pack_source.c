@@ -39,7 +39,9 @@ scree_result pack_source(const scree_pack* pack, render_source* out) {
                          .assets = assets,
                          .decode = decode,
                          .user = (void*)(uintptr_t)pack,
-                         .look = info.kind != SCREE_PACK_TILES ? RENDER_LOOK_HOODOO : RENDER_LOOK_STONE};
+                         .look = info.kind == SCREE_PACK_CLIFF    ? RENDER_LOOK_CLIFF
+                                 : info.kind == SCREE_PACK_MODELS ? RENDER_LOOK_HOODOO
+                                                                  : RENDER_LOOK_STONE};
   return SCREE_OK;
 }
 

@@ -256,6 +256,21 @@ bool scatter_widgets(scene_scatter* scatter) {
   return changed;
 }
 
+// Where a cliff stands, and at which of the times that its pack keeps.
+bool cliff_widgets(const panel_view* v, scene_field* field) {
+  bool changed = false;
+  int time = static_cast<int>(field->cliff.time);
+  if (v->times > 1 && ImGui::SliderInt("time", &time, 0, static_cast<int>(v->times) - 1)) {
+    field->cliff.time = static_cast<uint32_t>(std::clamp(time, 0, static_cast<int>(v->times) - 1));
+    changed = true;
+  }
+  static const char* const axes[] = {"x", "y", "z"};
+  for (int a = 0; a < 3; ++a) changed |= drag(axes[a], &field->origin[a], 0.05, -kFar, kFar, "%.2f m");
+  changed |= drag("turn", &field->cliff.turn, 0.5, -360, 360, "%.0f degrees");
+  changed |= drag("size", &field->cliff.scale, 0.005, 0.01, 100);
+  return changed;
+}
+
 void field_widgets(panel* p, panel_view* v) {
   editor* e = v->edit;
   scene_model* scene = e->scene;
@@ -263,7 +278,10 @@ void field_widgets(panel* p, panel_view* v) {
     char label[SCENE_NAME_SIZE + SCENE_FILE_SIZE + 64];
     const scene_field* f = &scene->fields[i];
     std::snprintf(label, sizeof label, "%s  %u %s of %s##%u", f->name[0] != 0 ? f->name : "field", v->stone_counts[i],
-                  f->is_scatter ? "models" : "stones", f->scatter.model_count > 0 ? f->scatter.models[0] : f->pack, i);
+                  f->is_scatter ? "models"
+                  : f->is_cliff ? "pieces"
+                                : "stones",
+                  f->scatter.model_count > 0 ? f->scatter.models[0] : f->pack, i);
     if (ImGui::Selectable(label, e->field == i) && e->field != i) {
       e->field = i;
       e->node = nullptr;
@@ -283,6 +301,8 @@ void field_widgets(panel* p, panel_view* v) {
   }
   if (field->is_scatter)
     changed |= scatter_widgets(&field->scatter);
+  else if (field->is_cliff)
+    changed |= cliff_widgets(v, field);
   else
     changed |= drag("cell size", &field->cell_size, 0.002, 0.01, 1000, "%.3f m");
   if (changed) {
@@ -290,12 +310,14 @@ void field_widgets(panel* p, panel_view* v) {
     p->edited = true;
   }
   bool shape = false;
-  if (!field->is_scatter) {
+  if (!field->is_scatter && !field->is_cliff) {
     shape |= drag("threshold", &field->threshold, 0.002, 0.01, 0.99);
     shape |= ImGui::Checkbox("leave out what nobody sees", &field->shell);
   }
-  shape |= drag("density", &field->density, 0.002, 0.001, 1);
-  shape |= filter_widgets(field);
+  if (!field->is_cliff) {
+    shape |= drag("density", &field->density, 0.002, 0.001, 1);
+    shape |= filter_widgets(field);
+  }
   if (shape) {
     edit_touch(e, SCENE_CHANGED_RULES);
     p->edited = true;
@@ -328,6 +350,10 @@ void field_widgets(panel* p, panel_view* v) {
 void support_widgets(panel* p, panel_view* v) {
   editor* e = v->edit;
   if (e->field >= e->scene->field_count) return;
+  if (e->scene->fields[e->field].is_cliff) {
+    ImGui::TextDisabled("a cliff stands where its origin is");
+    return;
+  }
   scene_node* root = e->scene->fields[e->field].support;
   int number = 0;
   if (root != nullptr) tree(e, root, 0, &number);

@@ -19,6 +19,7 @@ typedef struct panel_view {
   bool panel, help, figures; /* which of its parts are open; the panel may close them */
   render_stats stats;
   const uint32_t* stone_counts; /* one a field */
+  uint32_t times;               /* of the selected field's cliff; 0 otherwise */
   double frame_seconds, query_seconds;
   const char* message; /* the last thing that happened, may be empty */
   bool message_is_error;

@@ -127,12 +127,12 @@ bool render_list_build(render_list* list, const render_view* view, render_cache*
     render_instance* instance = &list->instances[list->counts[first_row[stone->source] + row]++];
     memcpy(instance->place, stone->position, sizeof stone->position);
     instance->place[3] = stone->cell_size / slot->source.lattice_per_cell;
+    const bool is_stone = slot->source.look == RENDER_LOOK_STONE || slot->source.look == RENDER_LOOK_CLIFF;
     const bool turned = stone->turn[0] != 0 || stone->turn[1] != 0;
     instance->turn[0] = stone->turn[0];
     instance->turn[1] = turned ? stone->turn[1] : 1;
     instance->tags[0] = stone->hash;
-    instance->tags[1] =
-        (slot->source.look == RENDER_LOOK_STONE ? view->tags : view->model_tags) | lod | render_pack_size(stone->cell_size) << 16;
+    instance->tags[1] = (is_stone ? view->tags : view->model_tags) | lod | render_pack_size(stone->cell_size) << 16;
     instance->tags[2] = index + 1;
     instance->tags[3] =
         stone->colour[0] | (uint32_t)stone->colour[1] << 8 | (uint32_t)stone->colour[2] << 16 | (uint32_t)stone->tile << 24;

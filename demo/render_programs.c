@@ -109,7 +109,7 @@ scree_result render_programs_create(render_programs* programs, scree_error* erro
   }
   programs->stone_extra_tags = glGetUniformLocation(programs->stone, "extra_tags");
   programs->model_extra_tags = glGetUniformLocation(programs->model, "extra_tags");
-  programs->model_painted = glGetUniformLocation(programs->model, "painted");
+  programs->model_look = glGetUniformLocation(programs->model, "look");
   programs->solid_extra_tags = glGetUniformLocation(programs->solid, "extra_tags");
   programs->solid_tags = glGetUniformLocation(programs->solid, "solid_tags");
   programs->caster_clip = glGetUniformLocation(programs->caster, "clip_from_world_caster");

@@ -18,8 +18,7 @@ enum {
 
 typedef struct render_programs {
   uint32_t stone, model, solid, caster, occlusion, light, resolve, line;
-  int32_t stone_extra_tags, model_extra_tags, model_painted, solid_extra_tags, solid_tags, caster_clip, line_half_width,
-      line_opacity;
+  int32_t stone_extra_tags, model_extra_tags, model_look, solid_extra_tags, solid_tags, caster_clip, line_half_width, line_opacity;
 } render_programs;
 
 /* Returns SCREE_OK or UNSUPPORTED with the compiler's first words in `error`. Texture units are bound as above and the uniform

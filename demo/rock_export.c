@@ -45,6 +45,7 @@ typedef struct layer_state {
   const rock_layer* layer;
   uint32_t lod;
   bool hoodoos; /* vertices know their beds */
+  bool cliff;   /* vertices know cuts */
   float step;   /* metres per lattice step */
   uint32_t materials[SCENE_PALETTE_MAX * FLAT_SHADES];
   rock* rocks;
@@ -113,7 +114,7 @@ static void add_materials(layer_state* s) {
       float colour[3];
       char name[SCENE_NAME_SIZE + 32];
       for (int c = 0; c < 3; ++c) {
-        colour[c] = scene_linear_from_srgb(palette->colours[i][c]) * shade * (s->hoodoos ? BRIGHTEST : 1);
+        colour[c] = scene_linear_from_srgb(palette->colours[i][c]) * shade * (s->hoodoos || s->cliff ? BRIGHTEST : 1);
         if (colour[c] > 1) colour[c] = 1;
       }
       if (shades == 1) {
@@ -170,15 +171,23 @@ static void hoodoo_tint(const scree_vertex* v, float tint[3]) {
   for (int c = 0; c < 3; ++c) tint[c] = level * (is_loose ? 1.15f * pale[c] : dark[c] + (light[c] - dark[c]) * t);
 }
 
+/* The tint of a vertex of a cliff: its skin is darker than what frost laid bare. */
+static void cliff_tint(const scree_vertex* v, float tint[3]) {
+  static const float skin[3] = {0.84f, 0.85f, 0.86f}, fresh[3] = {1.10f, 1.05f, 0.98f};
+  const float level = (float)v->occlusion / 255.0f / BRIGHTEST;
+  for (int c = 0; c < 3; ++c) tint[c] = level * ((v->material & 15) == 2 ? fresh : skin)[c];
+}
+
 static void colour_shape(const layer_state* s, shape* it) {
   for (uint32_t i = 0; i < it->vertex_count; ++i) {
     uint8_t* colour = &it->colours[4 * (size_t)i];
     memset(colour, it->vertices[i].occlusion, 3);
     colour[3] = 255;
     float tint[3];
+    if (s->cliff) cliff_tint(&it->vertices[i], tint);
     if (s->hoodoos) hoodoo_tint(&it->vertices[i], tint);
     if (s->layer->models != NULL) memcpy(tint, &s->layer->models->models[it->asset].mesh.colours[3 * (size_t)i], sizeof tint);
-    for (int c = 0; c < 3 && (s->hoodoos || s->layer->models != NULL); ++c) colour[c] = unit_byte(tint[c]);
+    for (int c = 0; c < 3 && (s->hoodoos || s->cliff || s->layer->models != NULL); ++c) colour[c] = unit_byte(tint[c]);
   }
 }
 
@@ -450,7 +459,8 @@ scree_result rock_export_add(rock_export* file, const rock_layer* layer, rock_ex
     scree_pack_get_info(layer->pack, &info);
     s.lod = file->desc.lod < info.lod_count ? file->desc.lod : info.lod_count - 1;
     s.step = (float)(layer->cell_size / info.lattice_per_cell);
-    s.hoodoos = info.kind != SCREE_PACK_TILES;
+    s.hoodoos = info.kind == SCREE_PACK_MODELS;
+    s.cliff = info.kind == SCREE_PACK_CLIFF;
   }
   s.first_node = glb_node_count(file->glb);
   s.shapes = calloc(BATCH, sizeof *s.shapes);

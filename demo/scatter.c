@@ -128,7 +128,7 @@ static scree_result add_field(scatter* s, uint32_t index) {
                                                        : field->scatter.models[0],
                       .pack = scene_live_pack(s->world, index),
                       .models = scene_live_models(s->world, index),
-                      .cell_size = field->is_scatter ? 1 : field->cell_size,
+                      .cell_size = field->is_scatter || field->is_cliff ? 1 : field->cell_size,
                       .palette = &field->palette};
   scree_pack_info info = {.lod_count = UINT32_MAX}; /* models from files have one level, which stands for all */
   if (layer.pack != NULL) scree_pack_get_info(layer.pack, &info);
@@ -136,7 +136,7 @@ static scree_result add_field(scatter* s, uint32_t index) {
     return fail_with(&s->error, SCREE_ERROR_RANGE, "%s: fields[%u]: --lod %u: the pack \"%s\" has the levels 0..%u",
                      s->options->scene, (unsigned)index, s->options->lod, field->pack, info.lod_count - 1);
   /* Places are told from the support's own, so that they are exact wherever in the world it lies. */
-  memcpy(layer.origin, field->support->position, sizeof layer.origin);
+  memcpy(layer.origin, field->is_cliff ? field->origin : field->support->position, sizeof layer.origin);
   const uint32_t flags = strcmp(s->options->rocks, "all") == 0 ? 0 : SCREE_SCENE_VISIBLE;
   scree_result result = scene_live_query(s->world, index, layer.origin, flags, ROCKS_MOST, &s->rocks, &s->error);
   if (result != SCREE_OK) return result;

@@ -57,6 +57,7 @@ scene_field* scene_add_field(scene_model* scene) {
   field->shell = true;
   field->key = -1;
   field->density = 1;
+  field->cliff.scale = 1;
   field->scatter = (scene_scatter){.spacing = 1, .scale = {1, 1}, .max_slope = 45, .ages = {.kind = SCREE_FILTER_MASK}};
   field->scatter.ages.map.spacing = 1;
   field->scatter.ages.map.high = 1;

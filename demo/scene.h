@@ -163,11 +163,19 @@ typedef struct scene_scatter {
   scene_filter ages; /* MASK: black = the youngest, white = the oldest */
 } scene_scatter;
 
+/* What a field has that is a cliff of a pack, with its origin at the field's `origin`: see scree_cliff_desc. */
+typedef struct scene_cliff {
+  uint32_t time; /* 0 = the first that the pack keeps */
+  double turn;   /* degrees about +Y, -360..360 */
+  double scale;  /* > 0 */
+} scene_cliff;
+
 /* Fields are layers of a scree_scene in the order of the file: where they overlap, the earlier wins. A field is a mass of rock, or
- * a scatter, which has no cell size, threshold and shell. */
+ * a scatter, which has no cell size, threshold and shell, or a cliff, which has no support, density and filters either. */
 typedef struct scene_field {
-  bool is_scatter;
+  bool is_scatter, is_cliff; /* at most one */
   scene_scatter scatter;
+  scene_cliff cliff;
   char name[SCENE_NAME_SIZE];
   char pack[SCENE_FILE_SIZE]; /* name of a recipe, or the path of a .scree file; empty where a scatter has models of its own */
   uint64_t seed;              /* 0..2^53, what JSON numbers hold exactly */
@@ -180,7 +188,7 @@ typedef struct scene_field {
   scene_filter* filters;      /* owned, malloc */
   uint32_t filter_count;
   scene_palette palette;
-  scene_node* support; /* owned; NULL only while a scene is being built */
+  scene_node* support; /* owned; NULL of cliffs, and otherwise only while a scene is being built */
 } scene_field;
 
 typedef struct scene_model {

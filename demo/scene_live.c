@@ -1,6 +1,7 @@
 #include "scene_live.h"
 
 #include <math.h>
+#include <scree/cliff.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -222,15 +223,51 @@ static scree_result open_scatter(scene_live* w, uint32_t index, opened_field* ma
   return result;
 }
 
+static scree_result open_cliff(scene_live* w, uint32_t index, opened_field* made, scree_error* error) {
+  const scene_field* model = &w->desc.scene->fields[index];
+  scree_cliff_desc desc = {.pack = made->pack->pack,
+                           .time = model->cliff.time,
+                           .turn = model->cliff.turn / 360,
+                           .scale = (float)model->cliff.scale,
+                           .seed = model->seed};
+  memcpy(desc.origin, model->origin, sizeof desc.origin);
+  scree_error cause = {""};
+  const scree_result result = scree_cliff_create(&desc, NULL, &made->scatter, &cause);
+  if (result == SCREE_OK) return SCREE_OK;
+  return fail_with(error, result, "%s: fields[%u]: %s: %.400s", w->desc.paths.scene, (unsigned)index, made->pack->key,
+                   cause.message[0] != '\0' ? cause.message : scree_result_string(result));
+}
+
+/* A box around a cliff and its blocks, for those who ask where its instances are. */
+static scree_result box_cliff(scene_live* w, uint32_t index, opened_field* made, scree_error* error) {
+  const scene_field* model = &w->desc.scene->fields[index];
+  scree_cliff_time time;
+  scree_result result = scree_pack_get_time(made->pack->pack, model->cliff.time, &time);
+  double reach = 1;
+  for (int a = 0; a < 3; ++a) reach += fmax(fabs((double)time.bounds_min[a]), fabs((double)time.bounds_max[a]));
+  scree_shape box = {.kind = SCREE_SHAPE_BOX};
+  for (int a = 0; a < 3; ++a) box.box.half[a] = (float)(reach * model->cliff.scale);
+  scree_support_desc desc = {.shapes = &box, .shape_count = 1};
+  memcpy(desc.origin, model->origin, sizeof desc.origin);
+  if (result == SCREE_OK) result = scree_support_create(&desc, NULL, &made->support, NULL);
+  return result == SCREE_OK
+             ? SCREE_OK
+             : fail_with(error, result, "%s: fields[%u]: %s", w->desc.paths.scene, (unsigned)index, scree_result_string(result));
+}
+
 static scree_result open_field(scene_live* w, uint32_t index, opened_field* made, scree_error* error) {
   const scene_field* model = &w->desc.scene->fields[index];
   scree_result result = open_pack(w, index, &made->pack, error);
   if (result != SCREE_OK) return result;
   if (model->is_scatter) return open_scatter(w, index, made, error);
+  if (model->is_cliff) return open_cliff(w, index, made, error);
   scree_pack_info info;
   scree_pack_get_info(made->pack->pack, &info);
   if (info.kind == SCREE_PACK_CLIFF)
     return fail_with(error, SCREE_ERROR_PACK_KIND, "%s: fields[%u].pack: %s holds a cliff, which fills no shape",
+                     w->desc.paths.scene, (unsigned)index, made->pack->key);
+  if (info.kind == SCREE_PACK_CLIFF)
+    return fail_with(error, SCREE_ERROR_PACK_KIND, "%s: fields[%u].pack: %s holds a cliff: give the field a time",
                      w->desc.paths.scene, (unsigned)index, made->pack->key);
   if (info.kind != SCREE_PACK_TILES)
     return fail_with(error, SCREE_ERROR_PACK_KIND,
@@ -246,6 +283,7 @@ static scree_result open_field(scene_live* w, uint32_t index, opened_field* made
 
 static scree_result open_support(scene_live* w, uint32_t index, const scree_support* reuse, opened_field* made,
                                  scree_error* error) {
+  if (w->desc.scene->fields[index].is_cliff) return box_cliff(w, index, made, error);
   scree_result result =
       scene_support_create(w->desc.scene, index, &w->desc.paths, w->files, &w->desc.jobs, reuse, &made->support, error);
   if (result != SCREE_OK) return result;
@@ -262,17 +300,17 @@ static scree_result fill_layer(scene_live* w, uint32_t index, opened_field* made
   const scene_field* model = &w->desc.scene->fields[index];
   made->layer = (scree_layer){.field = made->field,
                               .scatter = made->scatter,
-                              .support = made->support,
+                              .support = model->is_cliff ? NULL : made->support,
                               .key = scene_field_key(w->desc.scene, index),
-                              .density = (float)model->density,
-                              .filter_count = model->filter_count};
-  if (!model->is_scatter) {
+                              .density = model->is_cliff ? 1 : (float)model->density,
+                              .filter_count = model->is_cliff ? 0 : model->filter_count};
+  if (!model->is_scatter && !model->is_cliff) {
     scree_pack_info info;
     scree_pack_get_info(made->pack->pack, &info);
     made->layer.threshold = (float)model->threshold;
     made->layer.shell_depth = model->shell ? (float)(2 * (double)info.max_radius * model->cell_size) : 0;
   }
-  for (uint32_t i = 0; i < model->filter_count; ++i) {
+  for (uint32_t i = 0; i < made->layer.filter_count; ++i) {
     char where[64];
     snprintf(where, sizeof where, "fields[%u].filters[%u]", (unsigned)index, (unsigned)i);
     scree_result result = fill_filter(w, &model->filters[i], where, &made->filters[i], error);
@@ -323,7 +361,8 @@ scree_result scene_live_update(scene_live* w, uint32_t index, uint32_t changed, 
   const bool was_open = is_open(f);
   if (was_open && (changed & (SCENE_CHANGED_PACK | SCENE_CHANGED_SUPPORT | SCENE_CHANGED_RULES)) == 0) return SCREE_OK;
   const bool new_field = !was_open || (changed & SCENE_CHANGED_PACK) != 0;
-  const bool new_support = !was_open || (changed & SCENE_CHANGED_SUPPORT) != 0;
+  const bool new_support =
+      !was_open || (changed & SCENE_CHANGED_SUPPORT) != 0 || (new_field && w->desc.scene->fields[index].is_cliff);
   opened_field made = *f; /* takes the place of *f when all is well */
   if (new_field) made.pack = NULL, made.field = NULL, made.scatter = NULL;
   if (new_support) made.support = NULL;
@@ -424,6 +463,7 @@ static scree_result count_box(counter* c, const double min[3], const double max[
 static scree_result count_rocks(scene_live* w, uint32_t index, uint32_t flags, uint64_t most, uint64_t* count) {
   const opened_field* f = &w->fields[index];
   *count = 0;
+  if (w->desc.scene->fields[index].is_cliff) return SCREE_OK; /* never more than a pack holds */
   if (f->scatter != NULL) {
     /* Discs of half the spacing do not overlap: they cover at most all of the ground, and half of it at least. */
     double min[3], max[3];
@@ -576,7 +616,7 @@ double scene_live_reach(const scene_live* w, uint32_t index) {
   const opened_field* f = field_at(w, index);
   if (f == NULL) return 0;
   const scene_field* model = &w->desc.scene->fields[index];
-  const double size = model->is_scatter ? model->scatter.scale[1] : model->cell_size;
+  const double size = model->is_cliff ? model->cliff.scale : model->is_scatter ? model->scatter.scale[1] : model->cell_size;
   double radius = 0;
   if (f->pack->models != NULL) {
     for (uint32_t i = 0; i < f->pack->models->count; ++i) radius = fmax(radius, (double)f->pack->models->shapes[i].outer_radius);

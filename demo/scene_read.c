@@ -535,18 +535,37 @@ static bool read_scatter(json_reader* r, const cJSON* value, scene_field* out) {
   return true;
 }
 
+static bool read_cliff(json_reader* r, const cJSON* value, scene_field* out) {
+  static const json_limits turn = {-360, 360, false, false};
+  uint64_t time = 0;
+  out->is_cliff = true;
+  if (!require_text(r, value, "pack", sizeof out->pack, out->pack) || !json_integer(r, value, "time", 0, 254, &time) ||
+      !json_number(r, value, "turn", turn, &out->cliff.turn) || !positive_number(r, value, "scale", &out->cliff.scale))
+    return false;
+  out->cliff.time = (uint32_t)time;
+  return true;
+}
+
 static bool read_field(json_reader* r, const cJSON* value, scene_field* out) {
-  static const char* const keys[] = {"name", "pack", "seed", "origin", "palette", "support", "key", "density", "filters", NULL};
-  static const char* const rocks[] = {"cell_size", "threshold", "shell", NULL};
-  static const char* const scatter[] = {"models", "spacing", "scale", "max_slope", "weights", "ages", NULL};
+  static const char* const keys[] = {"name", "pack", "seed", "origin", "palette", "key", NULL};
+  static const char* const rocks[] = {"support", "density", "filters", "cell_size", "threshold", "shell", NULL};
+  static const char* const scatter[] = {"support", "density",   "filters", "models", "spacing",
+                                        "scale",   "max_slope", "weights", "ages",   NULL};
+  static const char* const cliff[] = {"time", "turn", "scale", NULL};
   static const json_limits density = {0, 1, true, false};
   const bool scattered = cJSON_HasObjectItem(value, "spacing") || cJSON_HasObjectItem(value, "models");
-  bool good = json_check_object(r, value, keys, scattered ? scatter : rocks) &&
+  const bool is_cliff = cJSON_HasObjectItem(value, "time");
+  bool good = json_check_object(r, value, keys,
+                                is_cliff    ? cliff
+                                : scattered ? scatter
+                                            : rocks) &&
               json_string(r, value, "name", sizeof out->name, out->name) &&
               json_integer(r, value, "seed", 0, UINT64_C(1) << 53, &out->seed) &&
               json_vector(r, value, "origin", any_place, 3, out->origin) &&
               json_number(r, value, "density", density, &out->density) &&
-              (scattered ? read_scatter(r, value, out) : read_rocks(r, value, out));
+              (is_cliff    ? read_cliff(r, value, out)
+               : scattered ? read_scatter(r, value, out)
+                           : read_rocks(r, value, out));
   uint64_t number = 0;
   if (good && cJSON_HasObjectItem(value, "key")) {
     good = json_integer(r, value, "key", 0, UINT16_MAX, &number);
@@ -564,6 +583,7 @@ static bool read_field(json_reader* r, const cJSON* value, scene_field* out) {
     good = read_palette(r, palette, &out->palette);
     json_leave(r, before);
   }
+  if (good && is_cliff) return true;
   if (!good || !require(r, value, "support")) return false;
   uint32_t nodes = 0;
   size_t before = json_enter_key(r, "support");

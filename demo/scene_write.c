@@ -335,6 +335,15 @@ static void write_scatter(text_buffer* t, const scene_scatter* s) {
   }
 }
 
+static void write_cliff(text_buffer* t, const scene_cliff* c) {
+  integer_key(t, 3, "time", c->time);
+  end(t, false);
+  number_key(t, 3, "turn", c->turn);
+  end(t, false);
+  number_key(t, 3, "scale", c->scale);
+  end(t, false);
+}
+
 static void write_models(text_buffer* t, const scene_scatter* s) {
   key(t, 3, "models");
   for (uint32_t i = 0; i < s->model_count; ++i) {
@@ -358,7 +367,7 @@ static void write_field(text_buffer* t, const scene_field* field) {
   key(t, 3, "seed");
   buffer_format(t, "%llu", (unsigned long long)field->seed);
   end(t, false);
-  if (!field->is_scatter) {
+  if (!field->is_scatter && !field->is_cliff) {
     number_key(t, 3, "cell_size", field->cell_size);
     end(t, false);
   }
@@ -366,6 +375,8 @@ static void write_field(text_buffer* t, const scene_field* field) {
   end(t, false);
   if (field->is_scatter) {
     write_scatter(t, &field->scatter);
+  } else if (field->is_cliff) {
+    write_cliff(t, &field->cliff);
   } else {
     number_key(t, 3, "threshold", field->threshold);
     end(t, false);
@@ -376,11 +387,11 @@ static void write_field(text_buffer* t, const scene_field* field) {
     integer_key(t, 3, "key", (uint32_t)field->key);
     end(t, false);
   }
-  if (field->density != 1) {
+  if (field->density != 1 && !field->is_cliff) {
     number_key(t, 3, "density", field->density);
     end(t, false);
   }
-  if (field->filter_count > 0) {
+  if (field->filter_count > 0 && !field->is_cliff) {
     write_filters(t, field);
     end(t, false);
   }

@@ -221,12 +221,13 @@ void stage_light(const stage* s, render_picture* picture) {
 /* A scene near the world's origin keeps it; one that is far away, where floats grow coarse, gets its own, on whole metres. */
 static void choose_origin(stage* s) {
   for (uint32_t i = 0; i < s->desc.scene->field_count; ++i) {
-    const scene_node* root = s->desc.scene->fields[i].support;
-    if (root == NULL) continue;
+    const scene_field* field = &s->desc.scene->fields[i];
+    if (field->support == NULL && !field->is_cliff) continue;
+    const double* position = field->is_cliff ? field->origin : field->support->position;
     double away = 0;
-    for (int a = 0; a < 3; ++a) away = fmax(away, fabs(root->position[a]));
+    for (int a = 0; a < 3; ++a) away = fmax(away, fabs(position[a]));
     if (away > 2000)
-      for (int a = 0; a < 3; ++a) s->origin[a] = floor(root->position[a]);
+      for (int a = 0; a < 3; ++a) s->origin[a] = floor(position[a]);
     return;
   }
 }
@@ -270,6 +271,14 @@ void stage_destroy(stage* s) {
 
 void stage_origin(const stage* s, double origin[3]) {
   memcpy(origin, s->origin, sizeof s->origin);
+}
+
+uint32_t stage_times(const stage* s, uint32_t field) {
+  const scree_pack* pack =
+      field < s->desc.scene->field_count && s->desc.scene->fields[field].is_cliff ? scene_live_pack(s->world, field) : NULL;
+  scree_pack_info info = {.time_count = 0};
+  if (pack != NULL) scree_pack_get_info(pack, &info);
+  return info.time_count;
 }
 
 scene_files* stage_files(stage* s) {

@@ -530,6 +530,7 @@ static int show(viewer* v, const scree_jobs* jobs) {
                          .panel = !v->options->no_panel,
                          .figures = !v->options->no_panel,
                          .stone_counts = v->stone_counts,
+                         .times = stage_times(v->stage, v->edit.field),
                          .colour = v->options->colour,
                          .wireframe = v->options->wireframe};
   go_home(v);

@@ -53,7 +53,8 @@ static const char everything[] =
     " {\"pack\": \"goblin\", \"spacing\": 3.5, \"seed\": 4, \"scale\": [0.75, 1.25], \"max_slope\": 30, \"weights\": [0.5, 0, 2],"
     "  \"ages\": {\"file\": \"ages.png\", \"spacing\": 2, \"crop\": [1, 2, 3, 4], \"position\": [5, 0, 6], \"inverted\": true},"
     "  \"density\": 0.5, \"filters\": [{\"filter\": \"altitude\", \"to\": 9}], \"support\": {\"shape\": \"box\"}},"
-    " {\"models\": [\"tree.glb\", \"a/bush.gltf\"], \"spacing\": 2, \"support\": {\"shape\": \"sphere\"}}]}";
+    " {\"models\": [\"tree.glb\", \"a/bush.gltf\"], \"spacing\": 2, \"support\": {\"shape\": \"sphere\"}},"
+    " {\"pack\": \"hill_cave\", \"time\": 3, \"origin\": [1, 2, -3], \"turn\": -45.5, \"scale\": 2, \"seed\": 6}]}";
 
 static scree_result parse(const char* text, scene_model* scene, scree_error* error) {
   return scene_parse(text, strlen(text), "s.json", scene, error);
@@ -73,7 +74,7 @@ static void every_key_is_read(void** state) {
   assert_string_equal(scene.ground.map.file, "a/b.png");
   assert_true(scene.ground.map.low == -5 && scene.ground.map.crop[3] == 40 && scene.ground.position[1] == -300);
   assert_true(scene.ground.water && scene.ground.water_height == 12.5 && scene.ground.water_colour[1] == 48 / 255.0f);
-  assert_int_equal(scene.field_count, 4);
+  assert_int_equal(scene.field_count, 5);
   const scene_field* field = &scene.fields[0];
   assert_true(field->seed == UINT64_C(9007199254740992) && field->cell_size == 0.6 && field->threshold == 0.25 && !field->shell);
   assert_true(field->palette.colour_count == 2 && field->palette.variation == 0.5);
@@ -115,6 +116,9 @@ static void every_key_is_read(void** state) {
   assert_true(trees->is_scatter && trees->scatter.model_count == 2 && !trees->scatter.has_ages && trees->scatter.max_slope == 45);
   assert_string_equal(trees->scatter.models[1], "a/bush.gltf");
   assert_string_equal(trees->pack, "");
+  const scene_field* cliff = &scene.fields[4];
+  assert_true(cliff->is_cliff && !cliff->is_scatter && !trees->is_cliff && cliff->support == NULL);
+  assert_true(cliff->cliff.time == 3 && cliff->cliff.turn == -45.5 && cliff->cliff.scale == 2 && cliff->origin[2] == -3);
   scene_destroy(&scene);
 }
 
@@ -411,6 +415,14 @@ static void wrong_scene_is_refused_by_name_and_key(void** state) {
        "s.json: fields[0].filters[0].to: expected a number in 0..90, got 91"},
       {WITH_FIELD("\"filters\": [{\"filter\": \"altitude\", \"from\": 2, \"to\": 1}]"),
        "s.json: fields[0].filters[0].to: expected a number >= from (2), got 1"},
+      {"{\"fields\": [{\"time\": 1}]}", "s.json: fields[0].pack: key is missing"},
+      {"{\"fields\": [{\"pack\": \"a\", \"time\": 0.5}]}", "s.json: fields[0].time: expected a whole number in 0..254, got 0.5"},
+      {"{\"fields\": [{\"pack\": \"a\", \"time\": 0, \"turn\": 361}]}",
+       "s.json: fields[0].turn: expected a number in -360..360, got 361"},
+      {"{\"fields\": [{\"pack\": \"a\", \"time\": 0, \"scale\": 0}]}", "s.json: fields[0].scale: expected a number > 0, got 0"},
+      {"{\"fields\": [{\"pack\": \"a\", \"time\": 0, \"support\": {\"shape\": \"box\"}}]}",
+       "s.json: fields[0].support: unknown key"},
+      {"{\"fields\": [{\"pack\": \"a\", \"time\": 0, \"density\": 1}]}", "s.json: fields[0].density: unknown key"},
       {WITH_SCATTER("\"seed\": 1"), "s.json: fields[0].pack: key is missing"},
       {WITH_SCATTER("\"pack\": \"\""), "s.json: fields[0].pack: expected text, got \"\""},
       {WITH_SCATTER("\"pack\": \"a\", \"models\": [\"b\"]"), "s.json: fields[0].models: a scatter has a pack or models, not both"},

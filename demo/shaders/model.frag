@@ -7,7 +7,7 @@ in vec4 v_rock;
 flat in uvec4 v_tags;
 
 uniform uint extra_tags;
-uniform int painted;
+uniform int look; // render_look
 
 layout(location = 0) out vec4 surface; // normal, baked visibility
 layout(location = 1) out uvec4 tags;
@@ -34,11 +34,23 @@ vec3 rock_colour(vec3 base, float pixel) {
   return mix(albedo, pale, smoothstep(0.35, 0.65, edge) * step(0.001, v_rock.y));
 }
 
+// Where frost broke a cliff, the rock is fresh: warmer and paler than the skin that has seen the weather.
+vec3 cliff_colour(vec3 base, float pixel) {
+  float stain = noise(v_point * vec3(0.21, 0.07, 0.21), pixel * 0.21).x + 0.5 * noise(v_point * 0.83, pixel * 0.83).x;
+  vec3 skin = base * mix(vec3(0.74, 0.76, 0.80), vec3(0.94, 0.93, 0.91), smoothstep(-0.5, 0.5, stain));
+  vec3 fresh = base * mix(vec3(1.02, 0.97, 0.90), vec3(1.16, 1.12, 1.06), smoothstep(-0.6, 0.6, stain));
+  vec3 albedo = mix(skin, fresh, v_rock.x);
+  return albedo * mix(vec3(0.94), vec3(1.06), smoothstep(0.6, 1.8, v_rock.z)) * (1.0 + 0.15 * max(v_rock.w, 0.0));
+}
+
 void main() {
   vec3 colour = v_rock.rgb;
   uint bits = 1u << 12;
   float bend = 0.0;
-  if (painted == 0) {
+  if (look == 3) {
+    colour = srgb(clamp(cliff_colour(tag_colour(v_tags), v_depth * eye.w), 0.0, 1.0));
+    bits = 0u;
+  } else if (look != 2) {
     colour = srgb(clamp(rock_colour(tag_colour(v_tags), v_depth * eye.w), 0.0, 1.0));
     bits = uint(clamp(v_rock.y, 0.0, 1.0) * 7.0 + 0.5) << 13;
     bend = clamp(v_rock.w, -1.0, 1.0);
