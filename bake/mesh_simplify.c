@@ -177,7 +177,8 @@ static bool keeps_shape(const mesh_simplifier* s, uint32_t u, uint32_t v) {
 /* --- The heap. --- */
 
 static bool is_before(const mesh_simplifier* s, uint32_t u, uint32_t v) {
-  return s->cost[u] < s->cost[v] || (s->cost[u] <= s->cost[v] && u < v);
+  const double a = s->cost[u], b = s->cost[v];
+  return a < b || (a <= b && u < v);
 }
 
 static void put(mesh_simplifier* s, uint32_t at, uint32_t vertex) {

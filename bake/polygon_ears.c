@@ -55,8 +55,10 @@ static double ear_quality(const ring* r, uint32_t b, strictness how) {
 
 static uint32_t best_ear(const ring* r, uint32_t start) {
   uint32_t best = start;
-  for (uint32_t p = r->at[start].next; p != start; p = r->at[p].next)
-    if (r->at[p].quality > r->at[best].quality || (r->at[p].quality >= r->at[best].quality && p < best)) best = p;
+  for (uint32_t p = r->at[start].next; p != start; p = r->at[p].next) {
+    const double quality = r->at[p].quality, most = r->at[best].quality;
+    if (quality > most || (quality >= most && p < best)) best = p;
+  }
   return best;
 }
 

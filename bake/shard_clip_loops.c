@@ -118,6 +118,7 @@ scree_result clip_loops_join(clip_loops* l, const scree_allocator* allocator) {
       next = hole;
       right = x;
     }
+    if (next == NULL) return SCREE_ERROR_UNSUPPORTED; /* not so: each round takes one */
     const scree_result result = join(l, &l->loops[next->owner], next, allocator);
     if (result != SCREE_OK) return result;
     next->count = 0;

@@ -23,9 +23,10 @@ static inline bool shard_space_make(const double* up, const double* stretch, sha
     if (!(length > 1e-12 && length < 1e12)) return false;
     for (int a = 0; a < 3; ++a) y[a] = up[a] / length;
   }
-  const bool stretched = stretch != NULL && (stretch[0] != 0 || stretch[1] != 0 || stretch[2] != 0);
+  static const double even[3] = {1, 1, 1};
+  const double* given = stretch != NULL && (stretch[0] != 0 || stretch[1] != 0 || stretch[2] != 0) ? stretch : even;
   for (int a = 0; a < 3; ++a) {
-    out->stretch[a] = stretched ? stretch[a] : 1;
+    out->stretch[a] = given[a];
     if (!(out->stretch[a] >= 0.01 && out->stretch[a] <= 100)) return false;
     out->axis[1][a] = y[a];
   }

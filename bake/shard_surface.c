@@ -69,6 +69,7 @@ static void find_nearest(surface_work* w) {
 /* The edge that two triangles of the solid share. */
 static bool shared_edge(const scree_solid* solid, uint32_t t, uint32_t u, uint32_t ends[2]) {
   uint32_t found = 0;
+  ends[0] = ends[1] = 0;
   for (uint32_t k = 0; k < 3; ++k)
     for (uint32_t m = 0; m < 3 && found < 2; ++m)
       if (solid->indices[3 * (size_t)t + k] == solid->indices[3 * (size_t)u + m]) ends[found++] = solid->indices[3 * (size_t)t + k];

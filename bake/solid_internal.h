@@ -25,11 +25,11 @@ static inline double* solid_positions(const scree_solid_memory* memory) {
   return (double*)memory->memory;
 }
 static inline uint32_t* solid_indices(const scree_solid_memory* memory) {
-  return (uint32_t*)(solid_positions(memory) + (size_t)3 * memory->solid.vertex_count);
+  return (uint32_t*)(void*)(solid_positions(memory) + (size_t)3 * memory->solid.vertex_count);
 }
 /* Of a solid that has them. */
 static inline float* solid_uvs(const scree_solid_memory* memory) {
-  return (float*)(solid_indices(memory) + (size_t)3 * memory->solid.triangle_count);
+  return (float*)(void*)(solid_indices(memory) + (size_t)3 * memory->solid.triangle_count);
 }
 
 #endif

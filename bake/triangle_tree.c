@@ -230,7 +230,7 @@ double triangle_tree_distance2(const triangle_tree* tree, const double point[3])
     for (uint32_t i = node->first; i < node->first + node->count; ++i) {
       const uint32_t* c = tree->indices + (size_t)3 * tree->order[i];
       const double d2 = distance2_to_triangle(point, tree->positions + (size_t)3 * c[0], tree->positions + (size_t)3 * c[1],
-                                           tree->positions + (size_t)3 * c[2]);
+                                              tree->positions + (size_t)3 * c[2]);
       if (d2 < least) least = d2;
     }
     if (node->count > 0) continue;

@@ -86,12 +86,12 @@ static void measure(const winding_tree* tree, winding_node* node, uint32_t first
 /* Sorts triangles by whether their centres lie below the middle of all, and returns how many do: half of them where that would be
  * none or all, or where the tree grows too deep. */
 static uint32_t divide(const winding_tree* tree, uint32_t first, uint32_t count, uint32_t depth) {
-  double low[3], high[3];
+  double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
   for (uint32_t i = 0; i < count; ++i)
     for (int a = 0; a < 3; ++a) {
       const double x = tree->centres[(size_t)3 * tree->order[first + i] + (size_t)a];
-      if (i == 0 || x < low[a]) low[a] = x;
-      if (i == 0 || x > high[a]) high[a] = x;
+      if (x < low[a]) low[a] = x;
+      if (x > high[a]) high[a] = x;
     }
   int axis = 0;
   for (int a = 1; a < 3; ++a)

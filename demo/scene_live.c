@@ -264,11 +264,9 @@ static scree_result open_field(scene_live* w, uint32_t index, opened_field* made
   scree_pack_info info;
   scree_pack_get_info(made->pack->pack, &info);
   if (info.kind == SCREE_PACK_CLIFF)
-    return fail_with(error, SCREE_ERROR_PACK_KIND, "%s: fields[%u].pack: %s holds a cliff, which fills no shape",
-                     w->desc.paths.scene, (unsigned)index, made->pack->key);
-  if (info.kind == SCREE_PACK_CLIFF)
-    return fail_with(error, SCREE_ERROR_PACK_KIND, "%s: fields[%u].pack: %s holds a cliff: give the field a time",
-                     w->desc.paths.scene, (unsigned)index, made->pack->key);
+    return fail_with(error, SCREE_ERROR_PACK_KIND,
+                     "%s: fields[%u].pack: %s holds a cliff, which fills no shape: give the field a time", w->desc.paths.scene,
+                     (unsigned)index, made->pack->key);
   if (info.kind != SCREE_PACK_TILES)
     return fail_with(error, SCREE_ERROR_PACK_KIND,
                      "%s: fields[%u].pack: %s holds models, which stand on the ground: give the field a spacing",

@@ -55,7 +55,7 @@ solid_mesh solid_torus(double major, double minor, uint32_t around, uint32_t acr
   for (uint32_t i = 0; i < around; ++i)
     for (uint32_t k = 0; k < across; ++k) {
       const double turn = 6.283185307179586, a = turn * i / around, b = turn * k / across, r = major + minor * cos(b);
-      double* at = &mesh.positions[3 * ((size_t)i * across + k)];
+      double* at = mesh.positions + 3 * ((size_t)i * across + k);
       at[0] = r * cos(a), at[1] = minor * sin(b), at[2] = r * sin(a);
       const uint32_t i1 = (i + 1) % around, k1 = (k + 1) % across;
       const uint32_t v[4] = {i * across + k, i * across + k1, i1 * across + k1, i1 * across + k};

@@ -75,7 +75,7 @@ void twin_join_places(const scree_frost_surface* surface, uint32_t* corners) {
 
 /* By the signs of volumes: the ends of the ray lie on both sides of the plane, and the line turns the same way past all edges. */
 bool twin_ray_meets(const double* c, const double start[3], const double direction[3], double farthest) {
-  double end[3], side[2], past[3];
+  double end[3], side[2] = {0, 0}, past[3] = {0, 0, 0};
   for (int a = 0; a < 3; ++a) end[a] = start[a] + farthest * direction[a];
   for (int which = 0; which < 5; ++which) {
     const double* rows[5][4] = {{c, c + 3, c + 6, start},

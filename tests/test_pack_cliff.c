@@ -657,7 +657,7 @@ static void encoding_with_uvs_survives_every_failing_allocation(void** state) {
       assert_in_range(n, 0, 10);
       failing_allocator memory = {.fail_at = n};
       const scree_allocator allocator = failing_allocator_of(&memory);
-      rock_lod out;
+      rock_lod out = {.blob = NULL};
       result = (plain ? plain_encode : draco_encode)(&mesh, &allocator, &out);
       if (result == SCREE_OK) allocator.release(allocator.user, out.blob, out.blob_size);
       assert_true(memory.live == 0 && (result == SCREE_ERROR_OUT_OF_MEMORY) == memory.failed);

@@ -121,9 +121,9 @@ static void a_torus_is_cut(void** state) {
 static void a_box_with_a_hole_is_cut(void** state) {
   (void)state;
   solid_mesh mesh = solid_from_voxels(
-      "XXX"
-      "X X"
-      "XXX",
+      "###"
+      "# #"
+      "###",
       3, 3, 1);
   cut_randomly(&mesh, "box with a hole", ROUNDS(30, 6), 1, 60, true);
   cut_randomly(&mesh, "box with a hole", ROUNDS(30, 6), 100, 2000, false);
@@ -142,10 +142,10 @@ static void cut_once(const solid_mesh* mesh, double* seeds, uint32_t count, shar
 static void a_u_around_one_seed_falls_into_two(void** state) {
   (void)state;
   solid_mesh mesh = solid_from_voxels(
-      "XXX"
-      "X X"
-      "X X"
-      "X X",
+      "###"
+      "# #"
+      "# #"
+      "# #",
       3, 1, 4);
   /* The second seed is below and has the bar, the first has both arms' tops. */
   double seeds[6] = {1.51, 3.02, 0.47, 1.49, 0.01, 0.53}, volumes[2];
@@ -178,7 +178,7 @@ static void one_seed_has_all(void** state) {
 
 /* A box with a box in it, inside out. */
 static solid_mesh make_hollow(double scale) {
-  solid_mesh mesh = solid_from_voxels("X", 1, 1, 1), inner = solid_from_voxels("X", 1, 1, 1);
+  solid_mesh mesh = solid_from_voxels("#", 1, 1, 1), inner = solid_from_voxels("#", 1, 1, 1);
   const double move[3] = {0.5 + 0.5 * scale, 0.48 + 0.5 * scale, 0.51 + 0.5 * scale};
   solid_add(&mesh, &inner, move, -scale);
   solid_mesh_free(&inner);
@@ -212,7 +212,7 @@ static void a_hollow_within_a_cell_is_a_surface_of_its_own(void** state) {
 /* Bars through the face between two cells, and hollows on it: one with a bar in it, which is an island in its hole. */
 static void holes_of_a_face_are_joined_to_it(void** state) {
   (void)state;
-  solid_mesh mesh = solid_from_voxels("X", 1, 1, 1), box = solid_from_voxels("X", 1, 1, 1);
+  solid_mesh mesh = solid_from_voxels("#", 1, 1, 1), box = solid_from_voxels("#", 1, 1, 1);
   const double hollow[3] = {0.9, 0.9, 0.9}, island[3] = {0.3, 0.3, 0.3};
   solid_add(&mesh, &box, hollow, -0.8);
   solid_add(&mesh, &box, island, 0.4);
@@ -237,9 +237,9 @@ static void holes_of_a_face_are_joined_to_it(void** state) {
 static void regular_seeds_work_once_they_are_moved(void** state) {
   (void)state;
   solid_mesh mesh = solid_from_voxels(
-      "XXX"
-      "X X"
-      "XXX",
+      "###"
+      "# #"
+      "###",
       3, 3, 1);
   for (uint32_t fine = 1; fine <= 8; fine *= 2) {
     const uint32_t count = 9 * fine * fine * fine;
@@ -368,7 +368,7 @@ static void any_allocation_may_fail(void** state) {
 /* Seeds inside a thin sheet alone: their cells have no end above and below. */
 static void a_thin_sheet_is_cut(void** state) {
   (void)state;
-  solid_mesh mesh = solid_from_voxels("X", 1, 1, 1);
+  solid_mesh mesh = solid_from_voxels("#", 1, 1, 1);
   for (size_t k = 0; k < 3 * (size_t)mesh.vertex_count; ++k) mesh.positions[k] *= k % 3 == 1 ? 0.01 : 10;
   cut_randomly(&mesh, "sheet", ROUNDS(10, 5), 10, 3000, false);
   solid_mesh_free(&mesh);
@@ -423,7 +423,7 @@ static scree_shards* shards_of(const solid_mesh* mesh, const double* seeds, uint
 
 static void walls_and_mesh_give_the_same_shards_of_a_box(void** state) {
   (void)state;
-  solid_mesh mesh = solid_from_voxels("X", 1, 1, 1);
+  solid_mesh mesh = solid_from_voxels("#", 1, 1, 1);
   for (uint32_t round = 0; round < ROUNDS(10, 5); ++round) {
     const uint32_t count = 1 + 60 * round;
     double* seeds = random_seeds(&mesh, count, 70 + round);
