@@ -52,11 +52,12 @@ typedef struct shard_bake {
   uint32_t block_count;
   uint32_t* last_of; /* of each block of frost, its last element of `blocks`, or NONE */
   size_t last_capacity;
-  uint32_t asset_count;
+  uint32_t asset_count, asset_capacity;
   shard_asset** assets; /* by asset */
   rock_record* rocks;
   model_record* models;
   uint32_t* cell_first;
+  uint32_t* new_index; /* of each asset once dust is dropped, or NONE */
   uv_range uvs;
   atomic_uint done; /* assets of this stage */
   atomic_bool stopped, cancelled;
@@ -274,6 +275,8 @@ static void make_asset(void* context, uint32_t index, uint32_t worker) {
   else
     scree_rt_release(allocator, asset, 1, sizeof *asset);
   scree_rt_release(allocator, inside, shards, 1);
+  /* A sliver that the lattice makes flat is dust; drop_dust looks for it. */
+  if (result == SCREE_ERROR_INVALID_ARGUMENT && index >= bake->times) result = SCREE_OK;
   finish(bake, index, result);
 }
 
@@ -359,20 +362,48 @@ static scree_result run_stage(shard_bake* bake, uint32_t stage, void (*job)(void
   return bake->results[failed];
 }
 
+/* Blocks that are no assets are gone, with their placements. */
+static void drop_dust(shard_bake* bake) {
+  uint32_t kept = bake->times, placed = 0;
+  for (uint32_t i = bake->times; i < bake->asset_count; ++i) {
+    shard_asset* asset = bake->assets[i];
+    bake->assets[i] = NULL;
+    bake->new_index[i] = asset != NULL ? kept : NONE;
+    if (asset == NULL) continue;
+    bake->blocks[kept - bake->times] = bake->blocks[i - bake->times];
+    bake->assets[kept++] = asset;
+  }
+  for (uint32_t t = 0, p = 0; t < bake->times; ++t) {
+    const uint32_t end = bake->placement_first[t + 1];
+    for (; p < end; ++p) {
+      const uint32_t asset = bake->new_index[bake->placements[p].asset];
+      if (asset == NONE) continue;
+      bake->placements[placed] = bake->placements[p];
+      bake->placements[placed++].asset = asset;
+    }
+    bake->placement_first[t + 1] = placed;
+  }
+  bake->asset_count = kept;
+  bake->block_count = kept - bake->times;
+}
+
 static scree_result make_assets(shard_bake* bake, scree_error* error) {
   const scree_allocator* allocator = &bake->allocator;
-  bake->asset_count = bake->times + bake->block_count;
+  bake->asset_count = bake->asset_capacity = bake->times + bake->block_count;
   bake->assets = scree_rt_allocate_zeroed(allocator, bake->asset_count, sizeof *bake->assets);
   bake->rocks = scree_rt_allocate_zeroed(allocator, bake->asset_count, sizeof *bake->rocks);
   bake->models = scree_rt_allocate_zeroed(allocator, bake->asset_count, sizeof *bake->models);
   bake->results = scree_rt_allocate_zeroed(allocator, bake->asset_count, sizeof *bake->results);
-  bake->cell_first = scree_rt_allocate(allocator, (size_t)bake->block_count + 2, sizeof *bake->cell_first);
-  if (bake->assets == NULL || bake->rocks == NULL || bake->models == NULL || bake->results == NULL || bake->cell_first == NULL)
+  bake->new_index = scree_rt_allocate(allocator, bake->asset_count, sizeof *bake->new_index);
+  bake->cell_first = scree_rt_allocate(allocator, (size_t)bake->asset_count + 1, sizeof *bake->cell_first);
+  if (bake->assets == NULL || bake->rocks == NULL || bake->models == NULL || bake->results == NULL || bake->new_index == NULL ||
+      bake->cell_first == NULL)
     return SCREE_ERROR_OUT_OF_MEMORY;
-  bake->cell_first[0] = 0;
-  for (uint32_t c = 0; c <= bake->block_count; ++c) bake->cell_first[c + 1] = bake->times + c;
   scree_result result = run_stage(bake, STAGE_ASSETS, make_asset, error);
   if (result != SCREE_OK) return result;
+  drop_dust(bake);
+  bake->cell_first[0] = 0;
+  for (uint32_t c = 0; c <= bake->block_count; ++c) bake->cell_first[c + 1] = bake->times + c;
   for (int a = 0; a < 2; ++a) {
     bake->uvs.min[a] = bake->assets[0]->uv_min[a];
     bake->uvs.max[a] = bake->assets[0]->uv_max[a];
@@ -445,7 +476,7 @@ static void fill_report(const shard_bake* bake, size_t size, double seconds, scr
 
 static void release(shard_bake* bake) {
   const scree_allocator* allocator = &bake->allocator;
-  for (uint32_t i = 0; i < bake->asset_count; ++i) {
+  for (uint32_t i = 0; i < bake->asset_capacity; ++i) {
     if (bake->assets != NULL && bake->assets[i] != NULL) {
       shard_asset_destroy(bake->assets[i], allocator);
       scree_rt_release(allocator, bake->assets[i], 1, sizeof **bake->assets);
@@ -458,11 +489,12 @@ static void release(shard_bake* bake) {
     if (model->parts != NULL) scree_rt_release(allocator, model->parts, model->part_first[model->part_count], sizeof *model->parts);
     scree_rt_release(allocator, model->part_first, (size_t)model->part_count + 1, sizeof *model->part_first);
   }
-  scree_rt_release(allocator, bake->assets, bake->asset_count, sizeof *bake->assets);
-  scree_rt_release(allocator, bake->rocks, bake->asset_count, sizeof *bake->rocks);
-  scree_rt_release(allocator, bake->models, bake->asset_count, sizeof *bake->models);
-  scree_rt_release(allocator, bake->results, bake->asset_count, sizeof *bake->results);
-  scree_rt_release(allocator, bake->cell_first, (size_t)bake->block_count + 2, sizeof *bake->cell_first);
+  scree_rt_release(allocator, bake->assets, bake->asset_capacity, sizeof *bake->assets);
+  scree_rt_release(allocator, bake->rocks, bake->asset_capacity, sizeof *bake->rocks);
+  scree_rt_release(allocator, bake->models, bake->asset_capacity, sizeof *bake->models);
+  scree_rt_release(allocator, bake->results, bake->asset_capacity, sizeof *bake->results);
+  scree_rt_release(allocator, bake->new_index, bake->asset_capacity, sizeof *bake->new_index);
+  scree_rt_release(allocator, bake->cell_first, (size_t)bake->asset_capacity + 1, sizeof *bake->cell_first);
   scree_rt_release(allocator, bake->last_of, bake->last_capacity, sizeof *bake->last_of);
   scree_rt_release(allocator, bake->blocks, bake->block_capacity, sizeof *bake->blocks);
   scree_rt_release(allocator, bake->placements, bake->placement_capacity, sizeof *bake->placements);

@@ -174,6 +174,29 @@ static void what_falls_is_gone_where_the_recipe_says_so(void** state) {
   unbake(&kept);
 }
 
+static void blocks_too_thin_for_the_lattice_are_dust(void** state) {
+  (void)state;
+  static scree_shard_recipe recipe;
+  small(&recipe);
+  baked fine = bake(&recipe);
+  recipe.lattice_per_metre = 1;
+  baked coarse = bake(&recipe);
+  assert_true(coarse.report.blocks < fine.report.blocks && coarse.report.breaks == fine.report.breaks);
+  for (uint32_t t = 0; t < 3; ++t) {
+    scree_cliff_time time;
+    assert_int_equal(scree_pack_get_time(coarse.pack, t, &time), SCREE_OK);
+    for (uint32_t p = 0; p < time.placement_count; ++p) {
+      scree_block_placement placement;
+      scree_asset asset;
+      assert_int_equal(scree_pack_get_placements(coarse.pack, time.first_placement + p, 1, &placement), SCREE_OK);
+      assert_int_equal(scree_pack_get_asset(coarse.pack, placement.asset, &asset), SCREE_OK);
+      assert_true(asset.volume > 0);
+    }
+  }
+  unbake(&coarse);
+  unbake(&fine);
+}
+
 static void times_by_share_are_kept_when_so_much_stands(void** state) {
   (void)state;
   static scree_shard_recipe recipe;
@@ -529,6 +552,7 @@ int main(void) {
       cmocka_unit_test(a_pack_holds_times_and_blocks_as_the_recipe_says),
       cmocka_unit_test(the_pack_does_not_depend_on_threads),
       cmocka_unit_test(what_falls_is_gone_where_the_recipe_says_so),
+      cmocka_unit_test(blocks_too_thin_for_the_lattice_are_dust),
       cmocka_unit_test(times_by_share_are_kept_when_so_much_stands),
       cmocka_unit_test(phases_change_the_rules_at_their_moment),
       cmocka_unit_test(every_shape_is_closed_and_has_its_volume),
