@@ -20,7 +20,9 @@
 #include "shard_weather.h"
 
 enum { STAGE_SHARDS, STAGE_FROST, STAGE_RUBBLE, STAGE_ASSETS, STAGE_ENCODE, STAGE_WRITE, STAGES };
-enum { DEFAULT_LATTICE = 1000, NONE = UINT32_MAX };
+#define NONE UINT32_MAX
+
+enum { DEFAULT_LATTICE = 1000 };
 
 /* How much of a bake each stage is, for progress; frost and rubble take turns. */
 static const double stage_ends[STAGES][2] = {{0, 0.2}, {0.2, 0.55}, {0.2, 0.55}, {0.55, 0.8}, {0.8, 0.98}, {0.98, 1}};
