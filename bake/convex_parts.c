@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "lattice.h"
+#include "vectors.h"
 
 /* --- The hull of a few points. --- */
 
@@ -23,10 +24,6 @@ typedef struct small_hull {
   hull_face faces[MOST_FACES];
   uint32_t face_count;
 } small_hull;
-
-static double dot(const double a[3], const double b[3]) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 
 static void normal_of(const double a[3], const double b[3], const double c[3], double out[3]) {
   const double u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, v[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};

@@ -4,7 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "disjoint_sets.h"
 #include "lattice.h"
+#include "vectors.h"
 
 /* Where more than three walls meet, each cuts by a plane that lies up to this part of the solid's extent further out, so that all
  * cells see the same plain corners: far above rounding, far below what is checked. */
@@ -20,10 +22,6 @@ static int by_edge(const void* a, const void* b) {
   const side *p = a, *q = b;
   if (p->edge != q->edge) return p->edge < q->edge ? -1 : 1;
   return p->triangle < q->triangle ? -1 : p->triangle > q->triangle;
-}
-
-static double dot(const double a[3], const double b[3]) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
 static const double* corner_of(const double* positions, const uint32_t* indices, uint32_t triangle, uint32_t k) {
@@ -57,20 +55,6 @@ static double extent_of(const double* positions, uint32_t vertex_count) {
     extent = max - min > extent ? max - min : extent;
   }
   return extent;
-}
-
-static uint32_t root_of(uint32_t* parents, uint32_t i) {
-  while (parents[i] != i) i = parents[i] = parents[parents[i]];
-  return i;
-}
-
-static void join(uint32_t* parents, uint32_t a, uint32_t b) {
-  a = root_of(parents, a);
-  b = root_of(parents, b);
-  if (a < b)
-    parents[b] = a;
-  else
-    parents[a] = b;
 }
 
 bool convex_walls_possible(const double* positions, uint32_t vertex_count, const uint32_t* indices, uint32_t triangle_count) {

@@ -5,6 +5,8 @@
 #include <string.h>
 
 #include "allocator.h"
+#include "disjoint_sets.h"
+#include "vectors.h"
 
 /* A side of a triangle by its ends, so that the two triangles at an edge stand side by side. */
 typedef struct side {
@@ -17,20 +19,6 @@ static int compare_sides(const void* a, const void* b) {
   if (x->low != y->low) return x->low < y->low ? -1 : 1;
   if (x->high != y->high) return x->high < y->high ? -1 : 1;
   return (x->corner > y->corner) - (x->corner < y->corner);
-}
-
-static uint32_t root_of(uint32_t* parents, uint32_t corner) {
-  for (; parents[corner] != corner; corner = parents[corner]) parents[corner] = parents[parents[corner]];
-  return corner;
-}
-
-static void join(uint32_t* parents, uint32_t a, uint32_t b) {
-  a = root_of(parents, a);
-  b = root_of(parents, b);
-  if (a < b)
-    parents[b] = a;
-  else
-    parents[a] = b;
 }
 
 static uint32_t next_corner(uint32_t corner) {
@@ -46,10 +34,6 @@ static void area_vector(const scree_solid* solid, uint32_t triangle, double out[
     const uint32_t u = (a + 1) % 3, v = (a + 2) % 3;
     out[a] = (q[u] - p[u]) * (r[v] - p[v]) - (q[v] - p[v]) * (r[u] - p[u]);
   }
-}
-
-static double dot(const double a[3], const double b[3]) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
 /* An edge is smooth if it has just two triangles, whose normals are near each other. what: joined over it, the corners at its ends,

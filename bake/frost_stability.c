@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "shards_internal.h"
+#include "vectors.h"
 
 #define GRAVITY 9.81
 #define NO_LEVEL UINT32_MAX
@@ -46,16 +47,6 @@ static void add_outer(symmetric s, const double v[3], double weight) {
   s[3] += weight * v[0] * v[1];
   s[4] += weight * v[0] * v[2];
   s[5] += weight * v[1] * v[2];
-}
-
-static void cross(const double a[3], const double b[3], double out[3]) {
-  out[0] = a[1] * b[2] - a[2] * b[1];
-  out[1] = a[2] * b[0] - a[0] * b[2];
-  out[2] = a[0] * b[1] - a[1] * b[0];
-}
-
-static double dot(const double a[3], const double b[3]) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
 /* K of a link: polygons as fans of triangles, with signs, so that they may be concave. */

@@ -7,52 +7,24 @@
 #include "hoodoo_recipe.h"
 #include "recipe_text.h"
 
-/* Where in a recipe something stands, for errors: "phases[2].colluvium.share". */
-typedef struct place {
-  char text[128];
-} place;
-
-static place inside(const place* outer, const char* name) {
-  place at;
-  snprintf(at.text, sizeof at.text, "%.80s%s%.40s", outer->text, outer->text[0] != '\0' ? "." : "", name);
-  return at;
-}
-
-static place element(const place* outer, int index) {
-  place at;
-  snprintf(at.text, sizeof at.text, "%.110s[%d]", outer->text, index);
-  return at;
-}
-
 static const hoodoo_key* find(const hoodoo_key* keys, const char* name) {
   for (; keys->name != NULL; ++keys)
     if (strcmp(keys->name, name) == 0) return keys;
   return NULL;
 }
 
-static scree_result wrong_type(const place* at, const char* expected, const cJSON* value, scree_error* error) {
-  char got[64];
-  recipe_describe(value, got, sizeof got);
-  recipe_say(error, "%s: expected %s, got %s", at->text, expected, got);
-  return SCREE_ERROR_SYNTAX;
+static scree_result check_number(const hoodoo_key* key, const recipe_place* at, double number, bool whole, scree_error* error) {
+  return recipe_check_number(at, key->min, key->max, number, whole, error);
 }
 
-/* NaN is out of every range. */
-static scree_result check_number(const hoodoo_key* key, const place* at, double number, bool whole, scree_error* error) {
-  if (number >= key->min && number <= key->max && (!whole || floor(number) == number)) return SCREE_OK;
-  recipe_say(error, "%s: expected a %snumber from %.10g to %.10g, got %.10g", at->text, whole ? "whole " : "", key->min, key->max,
-             number);
-  return SCREE_ERROR_RANGE;
-}
-
-static scree_result read_number(const hoodoo_key* key, const place* at, const cJSON* value, bool whole, double* out,
+static scree_result read_number(const hoodoo_key* key, const recipe_place* at, const cJSON* value, bool whole, double* out,
                                 scree_error* error) {
-  if (!cJSON_IsNumber(value)) return wrong_type(at, "a number", value, error);
+  if (!cJSON_IsNumber(value)) return recipe_wrong_type(at, "a number", value, error);
   *out = value->valuedouble;
   return check_number(key, at, *out, whole, error);
 }
 
-static scree_result read_choice(const hoodoo_key* key, const place* at, const cJSON* value, int* out, scree_error* error) {
+static scree_result read_choice(const hoodoo_key* key, const recipe_place* at, const cJSON* value, int* out, scree_error* error) {
   const char* word = key->words;
   for (int i = 0; word != NULL && cJSON_IsString(value); ++i) {
     const size_t length = strcspn(word, " ");
@@ -69,12 +41,12 @@ static scree_result read_choice(const hoodoo_key* key, const place* at, const cJ
 }
 
 /* An array of `least` to `most` elements. */
-static scree_result check_array(const place* at, const cJSON* value, double least, double most, const char* of,
+static scree_result check_array(const recipe_place* at, const cJSON* value, double least, double most, const char* of,
                                 scree_error* error) {
   if (!cJSON_IsArray(value)) {
     char expected[64];
     snprintf(expected, sizeof expected, "an array of %s", of);
-    return wrong_type(at, expected, value, error);
+    return recipe_wrong_type(at, expected, value, error);
   }
   const int count = cJSON_GetArraySize(value);
   if (count >= least && count <= most) return SCREE_OK;
@@ -85,24 +57,15 @@ static scree_result check_array(const place* at, const cJSON* value, double leas
   return SCREE_ERROR_SYNTAX;
 }
 
-static scree_result read_value(const hoodoo_key* key, const place* at, const cJSON* value, void* base, scree_error* error);
+static scree_result read_value(const hoodoo_key* key, const recipe_place* at, const cJSON* value, void* base, scree_error* error);
 
-/* A member that an object may have once. */
-static scree_result known(const cJSON* object, const cJSON* item, const place* at, bool there, scree_error* error) {
-  bool twice = false;
-  for (const cJSON* other = object->child; other != item; other = other->next)
-    twice = twice || strcmp(other->string, item->string) == 0;
-  if (there && !twice) return SCREE_OK;
-  recipe_say(error, "%s: %s", at->text, twice ? "given twice" : "unknown key");
-  return SCREE_ERROR_SYNTAX;
-}
-
-static scree_result read_members(const hoodoo_key* keys, const place* at, const cJSON* object, void* base, scree_error* error) {
-  if (!cJSON_IsObject(object)) return wrong_type(at, "an object", object, error);
+static scree_result read_members(const hoodoo_key* keys, const recipe_place* at, const cJSON* object, void* base,
+                                 scree_error* error) {
+  if (!cJSON_IsObject(object)) return recipe_wrong_type(at, "an object", object, error);
   for (const cJSON* item = object->child; item != NULL; item = item->next) {
     const hoodoo_key* key = find(keys, item->string);
-    const place member = inside(at, item->string);
-    scree_result result = known(object, item, &member, key != NULL, error);
+    const recipe_place member = recipe_inside(at, item->string);
+    scree_result result = recipe_check_member(object, item, &member, key != NULL, error);
     if (result == SCREE_OK) result = read_value(key, &member, item, base, error);
     if (result != SCREE_OK) return result;
   }
@@ -110,7 +73,7 @@ static scree_result read_members(const hoodoo_key* keys, const place* at, const 
 }
 
 /* Whether a shape of the start has this key. */
-static scree_result check_shape(const hoodoo_key* key, const place* at, scree_hoodoo_shape shape, scree_error* error) {
+static scree_result check_shape(const hoodoo_key* key, const recipe_place* at, scree_hoodoo_shape shape, scree_error* error) {
   if (key->shapes == 0 || (key->shapes >> shape & 1) != 0) return SCREE_OK;
   const char* word = find(find(hoodoo_keys, "start")->members, "shape")->words;
   for (int i = 0; i < (int)shape; ++i) word += strcspn(word, " ") + 1;
@@ -118,20 +81,20 @@ static scree_result check_shape(const hoodoo_key* key, const place* at, scree_ho
   return SCREE_ERROR_SYNTAX;
 }
 
-static scree_result read_start(const hoodoo_key* key, const place* at, const cJSON* value, scree_hoodoo_start* out,
+static scree_result read_start(const hoodoo_key* key, const recipe_place* at, const cJSON* value, scree_hoodoo_start* out,
                                scree_error* error) {
   scree_hoodoo_recipe plain;
   scree_hoodoo_default(&plain);
   *out = plain.start;
   scree_result result = read_members(key->members, at, value, out, error);
   for (const cJSON* item = result == SCREE_OK ? value->child : NULL; item != NULL && result == SCREE_OK; item = item->next) {
-    const place member = inside(at, item->string);
+    const recipe_place member = recipe_inside(at, item->string);
     result = check_shape(find(key->members, item->string), &member, out->shape, error);
   }
   return result;
 }
 
-static scree_result read_object(const hoodoo_key* key, const place* at, const cJSON* value, void* base, scree_error* error) {
+static scree_result read_object(const hoodoo_key* key, const recipe_place* at, const cJSON* value, void* base, scree_error* error) {
   if (strcmp(key->name, "start") == 0) return read_start(key, at, value, base, error);
   scree_hoodoo_recipe plain;
   scree_hoodoo_default(&plain);
@@ -150,18 +113,18 @@ static scree_result read_object(const hoodoo_key* key, const place* at, const cJ
 }
 
 /* Rows [altitude, durability, noise, period, squash]; what a short row leaves out is as in the row before. */
-static scree_result read_durability(const hoodoo_key* key, const place* at, const cJSON* value, scree_hoodoo_rules* out,
+static scree_result read_durability(const hoodoo_key* key, const recipe_place* at, const cJSON* value, scree_hoodoo_rules* out,
                                     scree_error* error) {
   scree_result result = check_array(at, value, key->min, key->max, "points", error);
   scree_durability_point point = {0, 1, 0, 16, 1};
   out->durability_count = 0;
   for (const cJSON* row = result == SCREE_OK ? value->child : NULL; row != NULL && result == SCREE_OK; row = row->next) {
-    const place at_row = element(at, (int)out->durability_count);
+    const recipe_place at_row = recipe_element(at, (int)out->durability_count);
     result = check_array(&at_row, row, 2, 5, "numbers: altitude, durability, noise, period, squash", error);
     const hoodoo_key* column = key->members;
     for (const cJSON* number = result == SCREE_OK ? row->child : NULL; number != NULL && result == SCREE_OK;
          number = number->next) {
-      const place at_number = inside(&at_row, column->name);
+      const recipe_place at_number = recipe_inside(&at_row, column->name);
       result = read_value(column++, &at_number, number, &point, error);
     }
     out->durability[out->durability_count++] = point;
@@ -171,12 +134,12 @@ static scree_result read_durability(const hoodoo_key* key, const place* at, cons
 
 static const scree_bubble default_bubble = {SCREE_BUBBLE_SPHERE, 4, 4};
 
-static scree_result read_mixture(const hoodoo_key* key, const place* at, const cJSON* value, scree_bubble_segment* out,
+static scree_result read_mixture(const hoodoo_key* key, const recipe_place* at, const cJSON* value, scree_bubble_segment* out,
                                  scree_error* error) {
   scree_result result = check_array(at, value, key->min, key->max, "bubbles", error);
   out->bubble_count = 0;
   for (const cJSON* item = result == SCREE_OK ? value->child : NULL; item != NULL && result == SCREE_OK; item = item->next) {
-    const place at_item = element(at, (int)out->bubble_count);
+    const recipe_place at_item = recipe_element(at, (int)out->bubble_count);
     scree_bubble* bubble = &out->bubbles[out->bubble_count++];
     *bubble = default_bubble;
     result = read_members(key->members, &at_item, item, bubble, error);
@@ -185,16 +148,16 @@ static scree_result read_mixture(const hoodoo_key* key, const place* at, const c
 }
 
 /* A segment of one bubble may hold the bubble's keys itself. */
-static scree_result read_segment(const hoodoo_key* keys, const place* at, const cJSON* value, scree_bubble_segment* out,
+static scree_result read_segment(const hoodoo_key* keys, const recipe_place* at, const cJSON* value, scree_bubble_segment* out,
                                  scree_error* error) {
   *out = (scree_bubble_segment){.bubbles = {default_bubble}, .bubble_count = 1, .noise_period = 16};
-  if (!cJSON_IsObject(value)) return wrong_type(at, "an object", value, error);
+  if (!cJSON_IsObject(value)) return recipe_wrong_type(at, "an object", value, error);
   const hoodoo_key* bubble_keys = find(keys, "mixture")->members;
   const bool mixed = cJSON_GetObjectItemCaseSensitive(value, "mixture") != NULL;
   for (const cJSON* item = value->child; item != NULL; item = item->next) {
-    const place member = inside(at, item->string);
+    const recipe_place member = recipe_inside(at, item->string);
     const hoodoo_key *key = find(keys, item->string), *of_bubble = find(bubble_keys, item->string);
-    scree_result result = known(value, item, &member, key != NULL || of_bubble != NULL, error);
+    scree_result result = recipe_check_member(value, item, &member, key != NULL || of_bubble != NULL, error);
     if (result == SCREE_OK && of_bubble != NULL && mixed) {
       recipe_say(error, "%s: belongs into the bubbles of the mixture", member.text);
       result = SCREE_ERROR_SYNTAX;
@@ -206,25 +169,25 @@ static scree_result read_segment(const hoodoo_key* keys, const place* at, const 
   return SCREE_OK;
 }
 
-static scree_result read_bubbles(const hoodoo_key* key, const place* at, const cJSON* value, scree_hoodoo_rules* out,
+static scree_result read_bubbles(const hoodoo_key* key, const recipe_place* at, const cJSON* value, scree_hoodoo_rules* out,
                                  scree_error* error) {
   scree_result result = check_array(at, value, key->min, key->max, "segments", error);
   out->bubble_count = 0;
   for (const cJSON* item = result == SCREE_OK ? value->child : NULL; item != NULL && result == SCREE_OK; item = item->next) {
-    const place at_item = element(at, (int)out->bubble_count);
+    const recipe_place at_item = recipe_element(at, (int)out->bubble_count);
     result = read_segment(key->members, &at_item, item, &out->bubbles[out->bubble_count++], error);
   }
   return result;
 }
 
-static scree_result read_ages(const hoodoo_key* key, const place* at, const cJSON* value, scree_hoodoo_recipe* out,
+static scree_result read_ages(const hoodoo_key* key, const recipe_place* at, const cJSON* value, scree_hoodoo_recipe* out,
                               scree_error* error) {
   const bool steps = key->kind == HOODOO_AGE_STEPS;
   scree_result result = check_array(at, value, 1, SCREE_HOODOO_AGES, "ages", error);
   out->age_count = out->age_step_count = 0;
   for (const cJSON* item = result == SCREE_OK ? value->child : NULL; item != NULL && result == SCREE_OK; item = item->next) {
     uint32_t* count = steps ? &out->age_step_count : &out->age_count;
-    const place at_item = element(at, (int)*count);
+    const recipe_place at_item = recipe_element(at, (int)*count);
     double number = 0;
     result = read_number(key, &at_item, item, steps, &number, error);
     if (result == SCREE_OK && steps)
@@ -235,16 +198,16 @@ static scree_result read_ages(const hoodoo_key* key, const place* at, const cJSO
   return result;
 }
 
-static scree_result read_phase(const hoodoo_key* keys, const place* at, const cJSON* value, scree_hoodoo_phase* out,
+static scree_result read_phase(const hoodoo_key* keys, const recipe_place* at, const cJSON* value, scree_hoodoo_phase* out,
                                scree_error* error) {
-  if (!cJSON_IsObject(value)) return wrong_type(at, "an object", value, error);
+  if (!cJSON_IsObject(value)) return recipe_wrong_type(at, "an object", value, error);
   memset(out, 0, sizeof *out);
   out->share = -1;
   uint32_t moments = 0;
   for (const cJSON* item = value->child; item != NULL; item = item->next) {
-    const place member = inside(at, item->string);
+    const recipe_place member = recipe_inside(at, item->string);
     const hoodoo_key *key = find(keys, item->string), *rule = find(hoodoo_rule_keys, item->string);
-    scree_result result = known(value, item, &member, key != NULL || rule != NULL, error);
+    scree_result result = recipe_check_member(value, item, &member, key != NULL || rule != NULL, error);
     if (result == SCREE_OK)
       result = read_value(key != NULL ? key : rule, &member, item, key != NULL ? (void*)out : &out->rules, error);
     if (result != SCREE_OK) return result;
@@ -256,19 +219,19 @@ static scree_result read_phase(const hoodoo_key* keys, const place* at, const cJ
   return SCREE_ERROR_SYNTAX;
 }
 
-static scree_result read_phases(const hoodoo_key* key, const place* at, const cJSON* value, scree_hoodoo_recipe* out,
+static scree_result read_phases(const hoodoo_key* key, const recipe_place* at, const cJSON* value, scree_hoodoo_recipe* out,
                                 scree_error* error) {
   scree_result result = check_array(at, value, key->min, key->max, "phases", error);
   out->phase_count = 0;
   for (const cJSON* item = result == SCREE_OK ? value->child : NULL; item != NULL && result == SCREE_OK; item = item->next) {
-    const place at_item = element(at, (int)out->phase_count);
+    const recipe_place at_item = recipe_element(at, (int)out->phase_count);
     result = read_phase(key->members, &at_item, item, &out->phases[out->phase_count++], error);
   }
   return result;
 }
 
 /* base: the struct that the key's table is about. */
-static scree_result read_value(const hoodoo_key* key, const place* at, const cJSON* value, void* base, scree_error* error) {
+static scree_result read_value(const hoodoo_key* key, const recipe_place* at, const cJSON* value, void* base, scree_error* error) {
   char* field = (char*)base + key->offset;
   double number = 0;
   scree_result result = SCREE_OK;
@@ -277,7 +240,7 @@ static scree_result read_value(const hoodoo_key* key, const place* at, const cJS
       if (!cJSON_IsString(value) || strlen(value->valuestring) > (size_t)key->max) {
         char expected[64];
         snprintf(expected, sizeof expected, "a text of at most %.0f bytes", key->max);
-        return wrong_type(at, expected, value, error);
+        return recipe_wrong_type(at, expected, value, error);
       }
       memset(field, 0, (size_t)key->max + 1);
       strcpy(field, value->valuestring);
@@ -293,14 +256,14 @@ static scree_result read_value(const hoodoo_key* key, const place* at, const cJS
     case HOODOO_COUNTS:
       result = check_array(at, value, 3, 3, "numbers", error);
       for (int i = 0; i < 3 && result == SCREE_OK; ++i) {
-        const place at_item = element(at, i);
+        const recipe_place at_item = recipe_element(at, i);
         result = read_number(key, &at_item, cJSON_GetArrayItem(value, i), true, &number, error);
         if (result == SCREE_OK) ((uint32_t*)(void*)field)[i] = (uint32_t)number;
       }
       return result;
     case HOODOO_NUMBER: return read_number(key, at, value, false, (double*)(void*)field, error);
     case HOODOO_BOOL:
-      if (!cJSON_IsBool(value)) return wrong_type(at, "true or false", value, error);
+      if (!cJSON_IsBool(value)) return recipe_wrong_type(at, "true or false", value, error);
       *(bool*)(void*)field = cJSON_IsTrue(value) != 0;
       return SCREE_OK;
     case HOODOO_CHOICE: return read_choice(key, at, value, (int*)(void*)field, error);
@@ -315,12 +278,12 @@ static scree_result read_value(const hoodoo_key* key, const place* at, const cJS
   return result;
 }
 
-static const place top = {""};
+static const recipe_place top = {""};
 
 /* A key of the recipe or of its rules. */
 static scree_result read_top(const char* name, const cJSON* value, scree_hoodoo_recipe* out, scree_error* error) {
   const hoodoo_key *key = find(hoodoo_keys, name), *rule = find(hoodoo_rule_keys, name);
-  const place at = inside(&top, name);
+  const recipe_place at = recipe_inside(&top, name);
   if (key != NULL) return read_value(key, &at, value, out, error);
   if (rule != NULL) return read_value(rule, &at, value, &out->rules, error);
   recipe_say(error, "%.60s: unknown key", name);
@@ -340,8 +303,8 @@ scree_result scree_recipe_get_kind(const char* text, size_t size, scree_recipe_k
       found = true;
     }
   if (!found) {
-    const place at = inside(&top, "kind");
-    wrong_type(&at, "\"rocks\", \"hoodoo\" or \"shards\"", kind, error);
+    const recipe_place at = recipe_inside(&top, "kind");
+    recipe_wrong_type(&at, "\"rocks\", \"hoodoo\" or \"shards\"", kind, error);
   }
   cJSON_Delete(root);
   return found ? SCREE_OK : SCREE_ERROR_SYNTAX;
@@ -379,7 +342,7 @@ scree_result scree_hoodoo_parse(const char* text, size_t size, scree_hoodoo_reci
 static scree_result set_key(char* name, const cJSON* value, scree_hoodoo_recipe* out, scree_error* error) {
   char* dot = strchr(name, '.');
   if (dot == NULL) return read_top(name, value, out, error);
-  const place at = inside(&top, name);
+  const recipe_place at = recipe_inside(&top, name);
   *dot = '\0';
   const hoodoo_key *key = find(hoodoo_keys, name), *rule = find(hoodoo_rule_keys, name);
   const hoodoo_key* object = key != NULL ? key : rule;
@@ -409,20 +372,22 @@ scree_result scree_hoodoo_set(scree_hoodoo_recipe* recipe, const char* assignmen
 
 /* --- checking what did not come from JSON ------------------------------------------------------------------------------------- */
 
-static scree_result check_keys(const hoodoo_key* keys, const place* outer, const void* base, uint32_t shape, scree_error* error);
+static scree_result check_keys(const hoodoo_key* keys, const recipe_place* outer, const void* base, uint32_t shape,
+                               scree_error* error);
 
-static scree_result check_count(const place* at, uint32_t count, double least, double most, scree_error* error) {
+static scree_result check_count(const recipe_place* at, uint32_t count, double least, double most, scree_error* error) {
   if (count >= least && count <= most) return SCREE_OK;
   recipe_say(error, "%s: expected %.0f to %.0f elements, got %u", at->text, least, most, count);
   return SCREE_ERROR_RANGE;
 }
 
-static scree_result check_bubbles(const hoodoo_key* key, const place* at, const scree_hoodoo_rules* rules, scree_error* error) {
+static scree_result check_bubbles(const hoodoo_key* key, const recipe_place* at, const scree_hoodoo_rules* rules,
+                                  scree_error* error) {
   scree_result result = check_count(at, rules->bubble_count, key->min, key->max, error);
   const hoodoo_key* mixture = find(key->members, "mixture");
   for (uint32_t i = 0; i < rules->bubble_count && result == SCREE_OK; ++i) {
     const scree_bubble_segment* segment = &rules->bubbles[i];
-    const place item = element(at, (int)i);
+    const recipe_place item = recipe_element(at, (int)i);
     result = check_count(&item, segment->bubble_count, mixture->min, mixture->max, error);
     if (result == SCREE_OK) result = check_keys(key->members, &item, segment, 0, error);
     for (uint32_t b = 0; b < segment->bubble_count && result == SCREE_OK; ++b)
@@ -431,24 +396,26 @@ static scree_result check_bubbles(const hoodoo_key* key, const place* at, const 
   return result;
 }
 
-static scree_result check_ages(const hoodoo_key* key, const place* at, const scree_hoodoo_recipe* recipe, scree_error* error) {
+static scree_result check_ages(const hoodoo_key* key, const recipe_place* at, const scree_hoodoo_recipe* recipe,
+                               scree_error* error) {
   const bool steps = key->kind == HOODOO_AGE_STEPS;
   const uint32_t count = steps ? recipe->age_step_count : recipe->age_count;
   scree_result result = check_count(at, count, 0, SCREE_HOODOO_AGES, error);
   for (uint32_t i = 0; i < count && result == SCREE_OK; ++i) {
-    const place item = element(at, (int)i);
+    const recipe_place item = recipe_element(at, (int)i);
     result = check_number(key, &item, steps ? recipe->age_steps[i] : recipe->ages[i], steps, error);
   }
   return result;
 }
 
-static scree_result check_phases(const hoodoo_key* key, const place* at, const scree_hoodoo_recipe* recipe, scree_error* error) {
+static scree_result check_phases(const hoodoo_key* key, const recipe_place* at, const scree_hoodoo_recipe* recipe,
+                                 scree_error* error) {
   scree_result result = check_count(at, recipe->phase_count, key->min, key->max, error);
   for (uint32_t i = 0; i < recipe->phase_count && result == SCREE_OK; ++i) {
     const scree_hoodoo_phase* phase = &recipe->phases[i];
-    const place item = element(at, (int)i);
+    const recipe_place item = recipe_element(at, (int)i);
     if (!(phase->share < 0)) {
-      const place share = inside(&item, "share");
+      const recipe_place share = recipe_inside(&item, "share");
       result = check_number(find(key->members, "share"), &share, phase->share, false, error);
     }
     for (uint32_t k = 0; hoodoo_rule_keys[k].name != NULL && result == SCREE_OK; ++k) {
@@ -459,7 +426,7 @@ static scree_result check_phases(const hoodoo_key* key, const place* at, const s
   return result;
 }
 
-static scree_result check_key(const hoodoo_key* key, const place* at, const void* base, uint32_t shape, scree_error* error) {
+static scree_result check_key(const hoodoo_key* key, const recipe_place* at, const void* base, uint32_t shape, scree_error* error) {
   const char* field = (const char*)base + key->offset;
   switch (key->kind) {
     case HOODOO_TEXT: {
@@ -471,7 +438,7 @@ static scree_result check_key(const hoodoo_key* key, const place* at, const void
     case HOODOO_COUNT: return check_number(key, at, *(const uint32_t*)(const void*)field, true, error);
     case HOODOO_COUNTS:
       for (int i = 0; i < 3; ++i) {
-        const place item = element(at, i);
+        const recipe_place item = recipe_element(at, i);
         const scree_result result = check_number(key, &item, ((const uint32_t*)(const void*)field)[i], true, error);
         if (result != SCREE_OK) return result;
       }
@@ -483,7 +450,7 @@ static scree_result check_key(const hoodoo_key* key, const place* at, const void
       const scree_hoodoo_rules* rules = base;
       scree_result result = check_count(at, rules->durability_count, key->min, key->max, error);
       for (uint32_t i = 0; i < rules->durability_count && result == SCREE_OK; ++i) {
-        const place item = element(at, (int)i);
+        const recipe_place item = recipe_element(at, (int)i);
         result = check_keys(key->members, &item, &rules->durability[i], 0, error);
       }
       return result;
@@ -498,11 +465,12 @@ static scree_result check_key(const hoodoo_key* key, const place* at, const void
   return SCREE_OK;
 }
 
-static scree_result check_keys(const hoodoo_key* keys, const place* outer, const void* base, uint32_t shape, scree_error* error) {
+static scree_result check_keys(const hoodoo_key* keys, const recipe_place* outer, const void* base, uint32_t shape,
+                               scree_error* error) {
   scree_result result = SCREE_OK;
   for (; keys->name != NULL && result == SCREE_OK; ++keys) {
     if (keys->shapes != 0 && (keys->shapes >> shape & 1) == 0) continue;
-    const place at = inside(outer, keys->name);
+    const recipe_place at = recipe_inside(outer, keys->name);
     result = check_key(keys, &at, base, shape, error);
   }
   return result;

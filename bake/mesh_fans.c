@@ -3,7 +3,9 @@
 #include <stdlib.h>
 
 #include "allocator.h"
+#include "disjoint_sets.h"
 #include "mesh_simplify.h"
+#include "vectors.h"
 
 /* A side of a triangle, from corner k to the next. */
 typedef struct side {
@@ -21,30 +23,6 @@ static int compare_sides(const void* a, const void* b) {
 
 static uint32_t next_corner(uint32_t corner) {
   return corner % 3 == 2 ? corner - 2 : corner + 1;
-}
-
-static uint32_t root_of(uint32_t* parents, uint32_t c) {
-  for (; parents[c] != c; c = parents[c]) parents[c] = parents[parents[c]];
-  return c;
-}
-
-static void join(uint32_t* parents, uint32_t a, uint32_t b) {
-  a = root_of(parents, a);
-  b = root_of(parents, b);
-  if (a < b)
-    parents[b] = a;
-  else
-    parents[a] = b;
-}
-
-static double dot(const double a[3], const double b[3]) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void cross(const double a[3], const double b[3], double out[3]) {
-  out[0] = a[1] * b[2] - a[2] * b[1];
-  out[1] = a[2] * b[0] - a[0] * b[2];
-  out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
 /* From a side of triangle `from` through the rock to triangle `to`, as a number that rises with the angle: 0..4. */

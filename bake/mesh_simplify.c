@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "allocator.h"
+#include "vectors.h"
 
 /* The squared distances to planes, weighted by area: p A p + 2 b p + c, and the sum of the areas. */
 typedef struct quadric {
@@ -39,16 +40,6 @@ struct mesh_simplifier {
 };
 
 /* --- Geometry. --- */
-
-static double dot(const double a[3], const double b[3]) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void cross(const double a[3], const double b[3], double out[3]) {
-  out[0] = a[1] * b[2] - a[2] * b[1];
-  out[1] = a[2] * b[0] - a[0] * b[2];
-  out[2] = a[0] * b[1] - a[1] * b[0];
-}
 
 static void between(const int16_t from[3], const int16_t to[3], double out[3]) {
   for (uint32_t a = 0; a < 3; ++a) out[a] = to[a] - from[a];

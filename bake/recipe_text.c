@@ -1,5 +1,6 @@
 #include "recipe_text.h"
 
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -24,6 +25,40 @@ void recipe_describe(const cJSON* value, char* text, size_t capacity) {
     snprintf(text, capacity, "%s", cJSON_IsTrue(value) ? "true" : "false");
   else
     snprintf(text, capacity, "%s", cJSON_IsArray(value) ? "an array" : cJSON_IsObject(value) ? "an object" : "null");
+}
+
+recipe_place recipe_inside(const recipe_place* outer, const char* name) {
+  recipe_place at;
+  snprintf(at.text, sizeof at.text, "%.80s%s%.40s", outer->text, outer->text[0] != '\0' ? "." : "", name);
+  return at;
+}
+
+recipe_place recipe_element(const recipe_place* outer, uint32_t index) {
+  recipe_place at;
+  snprintf(at.text, sizeof at.text, "%.110s[%u]", outer->text, index);
+  return at;
+}
+
+scree_result recipe_wrong_type(const recipe_place* at, const char* expected, const cJSON* value, scree_error* error) {
+  char got[64];
+  recipe_describe(value, got, sizeof got);
+  recipe_say(error, "%s: expected %s, got %s", at->text, expected, got);
+  return SCREE_ERROR_SYNTAX;
+}
+
+scree_result recipe_check_number(const recipe_place* at, double min, double max, double number, bool whole, scree_error* error) {
+  if (number >= min && number <= max && (!whole || floor(number) == number)) return SCREE_OK;
+  recipe_say(error, "%s: expected a %snumber from %.10g to %.10g, got %.10g", at->text, whole ? "whole " : "", min, max, number);
+  return SCREE_ERROR_RANGE;
+}
+
+scree_result recipe_check_member(const cJSON* object, const cJSON* item, const recipe_place* at, bool there, scree_error* error) {
+  bool twice = false;
+  for (const cJSON* other = object->child; other != item; other = other->next)
+    twice = twice || strcmp(other->string, item->string) == 0;
+  if (there && !twice) return SCREE_OK;
+  recipe_say(error, "%s: %s", at->text, twice ? "given twice" : "unknown key");
+  return SCREE_ERROR_SYNTAX;
 }
 
 static bool is_space(char c) {

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "rock_mesh.h"
+#include "vectors.h"
 
 /* Sums over the tetrahedra between the triangles and the origin, exact in integers: six times the volume, 24 times the moment. */
 static void integrate(const mesh_buffer* mesh, int64_t* volume6, int64_t moment24[3]) {
@@ -21,10 +22,6 @@ double mesh_volume(const mesh_buffer* mesh) {
   int64_t volume6, moment24[3];
   integrate(mesh, &volume6, moment24);
   return (double)volume6 / 6;
-}
-
-static double dot(const double a[3], const double b[3]) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
 /* Radius of a ball around the centroid that surely lies inside: no point of a triangle is nearer than its plane, nor nearer than

@@ -1,14 +1,11 @@
 #include "seed_mask.h"
+#include "vectors.h"
 
 #include <math.h>
 #include <string.h>
 
 enum { MOST_BOXES = 1 << 22, MOST_CROSSINGS = 256 };
 enum { OUT_OF_REACH = 0, MARKED = 1, TOUCHED = 2 };
-
-static double dot(const double a[3], const double b[3]) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 
 static double segment_distance2(const double p[3], const double a[3], const double b[3]) {
   double ab[3], ap[3];

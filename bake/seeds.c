@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "random.h"
+#include "vectors.h"
 
 /* Place class of a cell along one axis: 0..2 = pinned to a corner plane with offset -1, 0, 1; 3.. = free. */
 static uint32_t place_class(uint32_t n, int32_t m, int32_t* plane) {
@@ -45,12 +46,6 @@ static uint32_t slot_variants(uint32_t n, size_t slot) {
     class /= n;
   }
   return UINT32_C(1) << (UINT32_C(1) << free_axes);
-}
-
-static void cross(const double a[3], const double b[3], double out[3]) {
-  out[0] = a[1] * b[2] - a[2] * b[1];
-  out[1] = a[2] * b[0] - a[0] * b[2];
-  out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
 /* A unit vector orthogonal to `axis`, uniform around it. */

@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "shard_clip.h"
+#include "vectors.h"
 
 /* Sides of a triangle's part in one cell. */
 enum { MOST_SIDES = 256 };
@@ -104,10 +105,6 @@ scree_result clip_near_find(clip_work* work, uint32_t seed, double distance2) {
     *list = (clip_near_list){first, (uint32_t)count, all ? INFINITY : reach * reach};
     return SCREE_OK;
   }
-}
-
-static inline double dot(const double a[3], const double b[3]) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
 /* Walks to the seed nearest to a point, from a seed near it. */

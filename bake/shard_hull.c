@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "shards_internal.h"
+#include "vectors.h"
 
 static const double FLAT = 1e-9; /* of the extent: points no farther out are in the hull */
 
@@ -21,10 +22,6 @@ typedef struct hull {
   uint32_t face_count, face_capacity;
   double flat;
 } hull;
-
-static double dot(const double a[3], const double b[3]) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 
 static double distance2(const double a[3], const double b[3]) {
   const double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};

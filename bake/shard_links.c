@@ -8,8 +8,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "disjoint_sets.h"
 #include "random.h"
 #include "shards_internal.h"
+#include "vectors.h"
 
 static const double CLOSED = 1e-9; /* of a shard's area, and of the solid's volume */
 
@@ -68,24 +70,6 @@ static void* scratch(assembly* a, size_t count, size_t size) {
   a->scratch[a->scratch_count].count = count;
   a->scratch[a->scratch_count++].size = size;
   return memory;
-}
-
-static double dot(const double a[3], const double b[3]) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static uint32_t root_of(uint32_t* parents, uint32_t i) {
-  while (parents[i] != i) i = parents[i] = parents[parents[i]];
-  return i;
-}
-
-static void join(uint32_t* parents, uint32_t a, uint32_t b) {
-  a = root_of(parents, a);
-  b = root_of(parents, b);
-  if (a < b)
-    parents[b] = a;
-  else
-    parents[a] = b;
 }
 
 static scree_result wrong(assembly* a, const char* what, uint32_t seed, const double place[3]) {

@@ -206,28 +206,14 @@ const shard_key shard_keys[] = {
     {0},
 };
 
-/* As scree_frost_rules_default; all that JSON can say is within a table's ends. */
+/* Those of the paper, and for what it has not, values within the ends of a table, for JSON to go on from. */
 static void default_rules(scree_shard_rules* out) {
   memset(out, 0, sizeof *out);
-  out->frost = (scree_frost_rules){
-      .rains = {default_rain},
-      .rain_count = 1,
-      .water = 1,
-      .gravity = {0, -1, 0},
-      .resistance = {.value = 0.5, .period = 1, .octaves = 1, .up = {0, 1, 0}, .layer_count = 1},
-      .solid_absorption = 0.1,
-      .air_absorption = 0.05,
-      .resistance_absorption = 0.25,
-      .damage = 0.5,
-      .total_absorption = true,
-      .break_life = 0.4,
-      .break_chance = 0.9,
-      .fall = SCREE_FALL_KEPT,
-      .fall_life = 1,
-      .density = 2600,
-      .compression = 10,
-      .stability_interval = 64,
-  };
+  scree_frost_rules_default(&out->frost);
+  out->frost.resistance.period = 1;
+  out->frost.resistance.octaves = 1;
+  out->frost.resistance.up[1] = 1;
+  out->frost.resistance.layer_count = 1;
   out->layers[0][1] = 0.5;
 }
 

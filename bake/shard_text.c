@@ -7,24 +7,7 @@
 #include "recipe_text.h"
 #include "shard_keys.h"
 
-/* Where in a recipe something stands, for errors: "phases[2].resistance.value". */
-typedef struct place {
-  char text[128];
-} place;
-
-static const place top = {""};
-
-static place inside(const place* outer, const char* name) {
-  place at;
-  snprintf(at.text, sizeof at.text, "%.80s%s%.40s", outer->text, outer->text[0] != '\0' ? "." : "", name);
-  return at;
-}
-
-static place element(const place* outer, uint32_t index) {
-  place at;
-  snprintf(at.text, sizeof at.text, "%.110s[%u]", outer->text, index);
-  return at;
-}
+static const recipe_place top = {""};
 
 static const shard_key* find(const shard_key* keys, const char* name) {
   for (; keys->name != NULL; ++keys)
@@ -59,29 +42,18 @@ static const char* word_of(const char* words, uint32_t choice, int* length) {
 
 /* --- reading ---------------------------------------------------------------------------------------------------------------- */
 
-static scree_result wrong_type(const place* at, const char* expected, const cJSON* value, scree_error* error) {
-  char got[64];
-  recipe_describe(value, got, sizeof got);
-  recipe_say(error, "%s: expected %s, got %s", at->text, expected, got);
-  return SCREE_ERROR_SYNTAX;
+static scree_result check_number(const shard_key* key, const recipe_place* at, double number, bool whole, scree_error* error) {
+  return recipe_check_number(at, key->min, key->max, number, whole, error);
 }
 
-/* NaN is out of every range. */
-static scree_result check_number(const shard_key* key, const place* at, double number, bool whole, scree_error* error) {
-  if (number >= key->min && number <= key->max && (!whole || floor(number) == number)) return SCREE_OK;
-  recipe_say(error, "%s: expected a %snumber from %.10g to %.10g, got %.10g", at->text, whole ? "whole " : "", key->min, key->max,
-             number);
-  return SCREE_ERROR_RANGE;
-}
-
-static scree_result read_number(const shard_key* key, const place* at, const cJSON* value, bool whole, double* out,
+static scree_result read_number(const shard_key* key, const recipe_place* at, const cJSON* value, bool whole, double* out,
                                 scree_error* error) {
-  if (!cJSON_IsNumber(value)) return wrong_type(at, "a number", value, error);
+  if (!cJSON_IsNumber(value)) return recipe_wrong_type(at, "a number", value, error);
   *out = value->valuedouble;
   return check_number(key, at, *out, whole, error);
 }
 
-static scree_result read_choice(const shard_key* key, const place* at, const cJSON* value, int* out, scree_error* error) {
+static scree_result read_choice(const shard_key* key, const recipe_place* at, const cJSON* value, int* out, scree_error* error) {
   for (uint32_t i = 0; cJSON_IsString(value) && i <= (uint32_t)key->max; ++i) {
     int length;
     const char* word = word_of(key->words, i, &length);
@@ -96,8 +68,8 @@ static scree_result read_choice(const shard_key* key, const place* at, const cJS
 }
 
 /* An array of `least` to `most` elements. */
-static scree_result check_array(const place* at, const cJSON* value, uint32_t least, uint32_t most, scree_error* error) {
-  if (!cJSON_IsArray(value)) return wrong_type(at, "an array", value, error);
+static scree_result check_array(const recipe_place* at, const cJSON* value, uint32_t least, uint32_t most, scree_error* error) {
+  if (!cJSON_IsArray(value)) return recipe_wrong_type(at, "an array", value, error);
   const int count = cJSON_GetArraySize(value);
   if (count >= (int)least && count <= (int)most) return SCREE_OK;
   if (least == most)
@@ -107,20 +79,10 @@ static scree_result check_array(const place* at, const cJSON* value, uint32_t le
   return SCREE_ERROR_SYNTAX;
 }
 
-static scree_result read_value(const shard_key* key, const place* at, const cJSON* value, void* base, scree_error* error);
-
-/* A member that an object may have once. */
-static scree_result known(const cJSON* object, const cJSON* item, const place* at, bool there, scree_error* error) {
-  bool twice = false;
-  for (const cJSON* other = object->child; other != item; other = other->next)
-    twice = twice || strcmp(other->string, item->string) == 0;
-  if (there && !twice) return SCREE_OK;
-  recipe_say(error, "%s: %s", at->text, twice ? "given twice" : "unknown key");
-  return SCREE_ERROR_SYNTAX;
-}
+static scree_result read_value(const shard_key* key, const recipe_place* at, const cJSON* value, void* base, scree_error* error);
 
 /* Whether what the object is has this key. */
-static scree_result check_belongs(const shard_key* members, const shard_key* key, const place* at, const void* base,
+static scree_result check_belongs(const shard_key* members, const shard_key* key, const recipe_place* at, const void* base,
                                   scree_error* error) {
   const uint32_t choice = choice_of(members, base);
   if (belongs(key, choice)) return SCREE_OK;
@@ -130,17 +92,18 @@ static scree_result check_belongs(const shard_key* members, const shard_key* key
   return SCREE_ERROR_SYNTAX;
 }
 
-static scree_result read_members(const shard_key* keys, const place* at, const cJSON* object, void* base, scree_error* error) {
-  if (!cJSON_IsObject(object)) return wrong_type(at, "an object", object, error);
+static scree_result read_members(const shard_key* keys, const recipe_place* at, const cJSON* object, void* base,
+                                 scree_error* error) {
+  if (!cJSON_IsObject(object)) return recipe_wrong_type(at, "an object", object, error);
   scree_result result = SCREE_OK;
   for (const cJSON* item = object->child; item != NULL && result == SCREE_OK; item = item->next) {
     const shard_key* key = find(keys, item->string);
-    const place member = inside(at, item->string);
-    result = known(object, item, &member, key != NULL, error);
+    const recipe_place member = recipe_inside(at, item->string);
+    result = recipe_check_member(object, item, &member, key != NULL, error);
     if (result == SCREE_OK) result = read_value(key, &member, item, base, error);
   }
   for (const cJSON* item = object->child; item != NULL && result == SCREE_OK; item = item->next) {
-    const place member = inside(at, item->string);
+    const recipe_place member = recipe_inside(at, item->string);
     result = check_belongs(keys, find(keys, item->string), &member, base, error);
   }
   return result;
@@ -179,7 +142,7 @@ static void reset_members(const shard_key* keys, void* base, const void* from) {
 }
 
 /* field: the struct of the object. */
-static scree_result read_object(const shard_key* key, const place* at, const cJSON* value, void* field, scree_error* error) {
+static scree_result read_object(const shard_key* key, const recipe_place* at, const cJSON* value, void* field, scree_error* error) {
   scree_shard_recipe plain;
   const void* from = key->blank;
   if (from == NULL) {
@@ -190,27 +153,27 @@ static scree_result read_object(const shard_key* key, const place* at, const cJS
   return read_members(key->members, at, value, field, error);
 }
 
-static scree_result read_row(const shard_key* columns, const place* at, const cJSON* row, void* out, scree_error* error) {
+static scree_result read_row(const shard_key* columns, const recipe_place* at, const cJSON* row, void* out, scree_error* error) {
   uint32_t count = 0;
   while (columns[count].name != NULL) ++count;
   scree_result result = check_array(at, row, count, count, error);
   for (const cJSON* number = result == SCREE_OK ? row->child : NULL; number != NULL && result == SCREE_OK; number = number->next) {
-    const place column = inside(at, columns->name);
+    const recipe_place column = recipe_inside(at, columns->name);
     result = read_value(columns++, &column, number, out, error);
   }
   return result;
 }
 
-static scree_result read_phase(const shard_key* keys, const place* at, const cJSON* value, scree_shard_phase* out,
+static scree_result read_phase(const shard_key* keys, const recipe_place* at, const cJSON* value, scree_shard_phase* out,
                                scree_error* error) {
-  if (!cJSON_IsObject(value)) return wrong_type(at, "an object", value, error);
+  if (!cJSON_IsObject(value)) return recipe_wrong_type(at, "an object", value, error);
   memset(out, 0, sizeof *out);
   out->share = -1;
   uint32_t moments = 0;
   for (const cJSON* item = value->child; item != NULL; item = item->next) {
-    const place member = inside(at, item->string);
+    const recipe_place member = recipe_inside(at, item->string);
     const shard_key *key = find(keys, item->string), *rule = find(shard_rule_keys, item->string);
-    scree_result result = known(value, item, &member, key != NULL || rule != NULL, error);
+    scree_result result = recipe_check_member(value, item, &member, key != NULL || rule != NULL, error);
     if (result == SCREE_OK)
       result = read_value(key != NULL ? key : rule, &member, item, key != NULL ? (void*)out : &out->rules, error);
     if (result != SCREE_OK) return result;
@@ -222,13 +185,13 @@ static scree_result read_phase(const shard_key* keys, const place* at, const cJS
   return SCREE_ERROR_SYNTAX;
 }
 
-static scree_result read_list(const shard_key* key, const place* at, const cJSON* value, void* base, scree_error* error) {
+static scree_result read_list(const shard_key* key, const recipe_place* at, const cJSON* value, void* base, scree_error* error) {
   scree_result result = check_array(at, value, key->least, key->size, error);
   if (result != SCREE_OK) return result;
   uint32_t* count = count_of(key, base);
   *count = 0;
   for (const cJSON* item = value->child; item != NULL && result == SCREE_OK; item = item->next) {
-    const place at_item = element(at, *count);
+    const recipe_place at_item = recipe_element(at, *count);
     void* out = item_of(key, base, (*count)++);
     double number = 0;
     switch (key->kind) {
@@ -251,7 +214,7 @@ static scree_result read_list(const shard_key* key, const place* at, const cJSON
 }
 
 /* base: the struct that the key's table is about. */
-static scree_result read_value(const shard_key* key, const place* at, const cJSON* value, void* base, scree_error* error) {
+static scree_result read_value(const shard_key* key, const recipe_place* at, const cJSON* value, void* base, scree_error* error) {
   char* field = (char*)base + key->offset;
   double number = 0;
   scree_result result = SCREE_OK;
@@ -260,7 +223,7 @@ static scree_result read_value(const shard_key* key, const place* at, const cJSO
       if (!cJSON_IsString(value) || strlen(value->valuestring) > (size_t)key->max) {
         char expected[64];
         snprintf(expected, sizeof expected, "a text of at most %.0f bytes", key->max);
-        return wrong_type(at, expected, value, error);
+        return recipe_wrong_type(at, expected, value, error);
       }
       memset(field, 0, (size_t)key->max + 1);
       strcpy(field, value->valuestring);
@@ -278,7 +241,7 @@ static scree_result read_value(const shard_key* key, const place* at, const cJSO
     case SHARD_NUMBERS:
       result = check_array(at, value, key->size, key->size, error);
       for (uint32_t i = 0; i < key->size && result == SCREE_OK; ++i) {
-        const place at_item = element(at, i);
+        const recipe_place at_item = recipe_element(at, i);
         result = read_number(key, &at_item, cJSON_GetArrayItem(value, (int)i), key->kind == SHARD_COUNTS, &number, error);
         if (result != SCREE_OK) break;
         if (key->kind == SHARD_COUNTS)
@@ -288,7 +251,7 @@ static scree_result read_value(const shard_key* key, const place* at, const cJSO
       }
       return result;
     case SHARD_BOOL:
-      if (!cJSON_IsBool(value)) return wrong_type(at, "true or false", value, error);
+      if (!cJSON_IsBool(value)) return recipe_wrong_type(at, "true or false", value, error);
       *(bool*)(void*)field = cJSON_IsTrue(value) != 0;
       return SCREE_OK;
     case SHARD_CHOICE: return read_choice(key, at, value, (int*)(void*)field, error);
@@ -310,7 +273,7 @@ static scree_result give_one_of_both(const char* given, const char* other, scree
 /* A key of the recipe or of its rules. */
 static scree_result read_top(const char* name, const cJSON* value, scree_shard_recipe* out, scree_error* error) {
   const shard_key *key = find(shard_keys, name), *rule = find(shard_rule_keys, name);
-  const place at = inside(&top, name);
+  const recipe_place at = recipe_inside(&top, name);
   if (key == NULL && rule == NULL) {
     recipe_say(error, "%.60s: unknown key", name);
     return SCREE_ERROR_SYNTAX;
@@ -355,7 +318,7 @@ scree_result scree_shard_recipe_parse(const char* text, size_t size, scree_shard
 static scree_result set_key(char* name, const cJSON* value, scree_shard_recipe* out, scree_error* error) {
   char* dot = strchr(name, '.');
   if (dot == NULL) return read_top(name, value, out, error);
-  const place at = inside(&top, name);
+  const recipe_place at = recipe_inside(&top, name);
   *dot = '\0';
   const shard_key *key = find(shard_keys, name), *rule = find(shard_rule_keys, name);
   const shard_key* object = key != NULL ? key : rule;
@@ -385,16 +348,17 @@ scree_result scree_shard_recipe_set(scree_shard_recipe* recipe, const char* assi
 
 /* --- checking what did not come from JSON ------------------------------------------------------------------------------------- */
 
-static scree_result check_keys(const shard_key* keys, const place* outer, const void* base, uint32_t chosen, scree_error* error);
+static scree_result check_keys(const shard_key* keys, const recipe_place* outer, const void* base, uint32_t chosen,
+                               scree_error* error);
 
-static scree_result check_phase(const shard_key* key, const place* at, const scree_shard_phase* phase, scree_error* error) {
-  const place share = inside(at, "share");
+static scree_result check_phase(const shard_key* key, const recipe_place* at, const scree_shard_phase* phase, scree_error* error) {
+  const recipe_place share = recipe_inside(at, "share");
   scree_result result = SCREE_OK;
   if (!(phase->share < 0)) result = check_number(find(key->members, "share"), &share, phase->share, false, error);
   return result == SCREE_OK ? check_keys(shard_rule_keys, at, &phase->rules, phase->changes, error) : result;
 }
 
-static scree_result check_list(const shard_key* key, const place* at, const void* base, scree_error* error) {
+static scree_result check_list(const shard_key* key, const recipe_place* at, const void* base, scree_error* error) {
   const uint32_t count = *count_of(key, base);
   if (count < key->least || count > key->size) {
     recipe_say(error, "%s: expected %u to %u elements, got %u", at->text, key->least, key->size, count);
@@ -402,7 +366,7 @@ static scree_result check_list(const shard_key* key, const place* at, const void
   }
   scree_result result = SCREE_OK;
   for (uint32_t i = 0; i < count && result == SCREE_OK; ++i) {
-    const place at_item = element(at, i);
+    const recipe_place at_item = recipe_element(at, i);
     const void* item = item_of(key, base, i);
     if (key->kind == SHARD_LIST || key->kind == SHARD_ROWS)
       result = check_keys(key->members, &at_item, item, ~0u, error);
@@ -414,7 +378,7 @@ static scree_result check_list(const shard_key* key, const place* at, const void
   return result;
 }
 
-static scree_result check_key(const shard_key* key, const place* at, const void* base, scree_error* error) {
+static scree_result check_key(const shard_key* key, const recipe_place* at, const void* base, scree_error* error) {
   const char* field = (const char*)base + key->offset;
   scree_result result = SCREE_OK;
   switch (key->kind) {
@@ -428,7 +392,7 @@ static scree_result check_key(const shard_key* key, const place* at, const void*
     case SHARD_COUNTS:
     case SHARD_NUMBERS:
       for (uint32_t i = 0; i < key->size && result == SCREE_OK; ++i) {
-        const place item = element(at, i);
+        const recipe_place item = recipe_element(at, i);
         const double number =
             key->kind == SHARD_COUNTS ? ((const uint32_t*)(const void*)field)[i] : ((const double*)(const void*)field)[i];
         result = check_number(key, &item, number, false, error);
@@ -447,11 +411,12 @@ static scree_result check_key(const shard_key* key, const place* at, const void*
 }
 
 /* Those of the first 32 keys whose bit is set in `chosen`, and that belong to what the object is. */
-static scree_result check_keys(const shard_key* keys, const place* outer, const void* base, uint32_t chosen, scree_error* error) {
+static scree_result check_keys(const shard_key* keys, const recipe_place* outer, const void* base, uint32_t chosen,
+                               scree_error* error) {
   scree_result result = SCREE_OK;
   for (uint32_t k = 0; keys[k].name != NULL && result == SCREE_OK; ++k) {
     if ((chosen >> (k & 31) & 1) == 0 || !belongs(&keys[k], choice_of(keys, base))) continue;
-    const place at = inside(outer, keys[k].name);
+    const recipe_place at = recipe_inside(outer, keys[k].name);
     result = check_key(&keys[k], &at, base, error);
   }
   return result;

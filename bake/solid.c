@@ -2,7 +2,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "lattice.h"
+#include "edge_table.h"
 #include "recipe_text.h"
 #include "solid_internal.h"
 
@@ -58,24 +58,6 @@ double solid_volume6(const scree_solid* solid) {
 }
 
 /* --- edges ------------------------------------------------------------------------------------------------------------------ */
-
-/* Directed edges from -> to as from << 32 | to, in an open hash table. No edge joins a vertex to itself, so 0 marks an empty place.
- */
-typedef struct edge_table {
-  uint64_t* edges;
-  size_t size; /* a power of two, at least twice the number of edges */
-} edge_table;
-
-static uint64_t edge_key(uint32_t from, uint32_t to) {
-  return (uint64_t)from << 32 | to;
-}
-
-/* The place of the edge, or the empty place where it belongs. */
-static uint64_t* edge_place(const edge_table* table, uint64_t edge) {
-  size_t at = (size_t)hash_mix(edge) & (table->size - 1);
-  while (table->edges[at] != 0 && table->edges[at] != edge) at = (at + 1) & (table->size - 1);
-  return &table->edges[at];
-}
 
 static scree_result refuse_edge(const scree_solid* solid, uint32_t from, uint32_t to, size_t triangle, const char* why,
                                 scree_error* error) {

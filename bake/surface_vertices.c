@@ -7,6 +7,7 @@
 #include "creases.h"
 #include "lattice.h"
 #include "triangle_tree.h"
+#include "vectors.h"
 
 /* --- Vertices: one for each place, normal, uv and material. --- */
 
@@ -21,10 +22,6 @@ typedef struct vertex_work {
   uint32_t* place;
   uint32_t count;
 } vertex_work;
-
-static double dot(const double a[3], const double b[3]) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 
 static void unit(double n[3]) {
   const double length = sqrt(dot(n, n));

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "allocator.h"
+#include "vectors.h"
 
 enum { LEAF = 4, DEPTH = 64 };
 
@@ -104,16 +105,6 @@ void triangle_tree_destroy(triangle_tree* tree) {
 
 static void minus(const double a[3], const double b[3], double out[3]) {
   for (uint32_t k = 0; k < 3; ++k) out[k] = a[k] - b[k];
-}
-
-static double dot(const double a[3], const double b[3]) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void cross(const double a[3], const double b[3], double out[3]) {
-  out[0] = a[1] * b[2] - a[2] * b[1];
-  out[1] = a[2] * b[0] - a[0] * b[2];
-  out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
 /* Moeller and Trumbore, 1997; both sides, borders included. */

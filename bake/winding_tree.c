@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "allocator.h"
+#include "vectors.h"
 
 enum { LEAF = 4, DEEPEST = 64 };
 static const double pi = 3.14159265358979323846;
@@ -27,10 +28,6 @@ double repeatable_atan2(double y, double x) {
   double angle = ay <= ax ? small_atan(ay / ax) : pi / 2 - small_atan(ax / ay);
   if (x < 0) angle = pi - angle;
   return y < 0 ? -angle : angle;
-}
-
-static double dot(const double a[3], const double b[3]) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
 /* Van Oosterom, Strackee 1983. */

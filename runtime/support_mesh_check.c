@@ -1,26 +1,8 @@
 /* Is a triangle mesh the border of a solid: every edge used once in each direction, and the right side out? */
 #include "allocator.h"
-#include "lattice.h"
+#include "edge_table.h"
 #include "support_mesh.h"
 #include "support_text.h"
-
-/* Directed edges from -> to as from << 32 | to, in an open hash table. No edge joins a vertex to itself, so 0 marks an empty place.
- */
-typedef struct edge_table {
-  uint64_t* edges;
-  size_t size; /* a power of two, at least twice the number of edges */
-} edge_table;
-
-static uint64_t edge_key(uint32_t from, uint32_t to) {
-  return (uint64_t)from << 32 | to;
-}
-
-/* The place of the edge, or the empty place where it belongs. */
-static uint64_t* edge_place(const edge_table* table, uint64_t edge) {
-  size_t at = (size_t)hash_mix(edge) & (table->size - 1);
-  while (table->edges[at] != 0 && table->edges[at] != edge) at = (at + 1) & (table->size - 1);
-  return &table->edges[at];
-}
 
 static void say_shape(scree_error* error, uint32_t shape_index) {
   scree_rt_text_clear(error);
