@@ -443,6 +443,8 @@ scree_result hoodoo_model_make(const scree_hoodoo_desc* desc, uint32_t variant, 
   }
   if (result == SCREE_OK) {
     result = weather_asset_make(run.mesher, recipe->size, bake->lattice, lods, &allocator, out);
+    if (result != SCREE_OK)
+      recipe_say(error, "variant %u, age %u: no model can be made: %s", variant, age, scree_result_string(result));
     *steps_per_metre = bake->steps_a_metre;
   }
   scree_mesher_destroy(run.mesher);

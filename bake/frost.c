@@ -162,7 +162,7 @@ scree_result scree_frost_set_rules(scree_frost* f, const scree_frost_rules* rule
 /* --- steps ------------------------------------------------------------------------------------------------------------------- */
 
 static void check_stability(scree_frost* f) {
-  if (f->rules.strength > 0) frost_stability_break(f);
+  frost_stability_break(f);
   f->unchecked = 0;
 }
 
@@ -179,12 +179,27 @@ scree_result scree_frost_step(scree_frost* f, uint64_t count) {
   return SCREE_OK;
 }
 
+/* Of what stands, added up anew: what is kept while shards fall is rounded otherwise. */
+static double standing_volume(const scree_frost* f) {
+  double volume = 0;
+  for (uint32_t s = 0; s < f->view.shard_count; ++s)
+    if (frost_stands(f, s)) volume += f->view.shards[s].volume;
+  return volume;
+}
+
+/* Judges by what the stats say, so that a share that is reached here is reached for all who ask. */
+static bool is_above(scree_frost* f, double stop) {
+  if (f->stats.volume > stop + 1e-9 * f->stats.start_volume) return true;
+  f->stats.volume = standing_volume(f);
+  return f->stats.volume > stop;
+}
+
 scree_result scree_frost_run(scree_frost* f, double share, uint64_t most, bool (*progress)(void* user, double done), void* user) {
   enum { PATHS_BETWEEN = 1024 };
   if (!(share >= 0) || !(share <= 1)) return SCREE_ERROR_RANGE;
   const double stop = share * f->stats.start_volume, start = f->stats.volume;
   bool go_on = true;
-  for (uint64_t i = 0; i < most && f->stats.volume > stop && go_on && step(f); ++i) {
+  for (uint64_t i = 0; i < most && is_above(f, stop) && go_on && step(f); ++i) {
     if (progress == NULL || (i + 1) % PATHS_BETWEEN != 0) continue;
     const double by_volume = (start - f->stats.volume) / (start - stop), by_paths = (double)(i + 1) / (double)most;
     const double done = by_volume > by_paths ? by_volume : by_paths;
@@ -249,10 +264,8 @@ scree_result scree_frost_set_life(scree_frost* f, uint32_t link, double life) {
 void scree_frost_get_stats(const scree_frost* f, scree_frost_stats* out) {
   *out = f->stats;
   out->exterior_links = 0;
-  out->volume = 0;
+  out->volume = standing_volume(f);
   for (uint32_t l = 0; l < f->view.link_count; ++l) out->exterior_links += f->exterior[l];
-  for (uint32_t s = 0; s < f->view.shard_count; ++s)
-    if (frost_stands(f, s)) out->volume += f->view.shards[s].volume;
 }
 
 void scree_frost_get(const scree_frost* f, scree_frost_view* out) {
@@ -272,7 +285,7 @@ uint64_t scree_frost_digest(const scree_frost* f) {
 }
 
 uint32_t scree_frost_last_path(const scree_frost* f, uint32_t* links, double* water, uint32_t capacity) {
-  uint32_t count = f->path_length < FROST_LAST_PATH ? f->path_length : FROST_LAST_PATH;
+  const uint32_t count = frost_path_kept(f->path_length);
   for (uint32_t i = 0; i < count && i < capacity; ++i) {
     if (links != NULL) links[i] = f->path_links[i];
     if (water != NULL) water[i] = f->path_water[i];

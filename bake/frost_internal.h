@@ -11,6 +11,10 @@
 
 enum { FROST_LAST_PATH = 4096 /* links of the last path that are kept */ };
 
+static inline uint32_t frost_path_kept(uint32_t path_length) {
+  return path_length < FROST_LAST_PATH ? path_length : FROST_LAST_PATH;
+}
+
 /* A neighbour that water can go down to. */
 typedef struct frost_way {
   double pull; /* f_g of the paper, > 0 */

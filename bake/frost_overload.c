@@ -5,7 +5,7 @@ static uint32_t weigh(const scree_frost* f) {
   if (!(f->rules.strength > 0)) return 0;
   const frost_stability_state state = {.states = f->states,
                                        .lives = f->lives,
-                                       .gravity = {f->rules.gravity[0], f->rules.gravity[1], f->rules.gravity[2]},
+                                       .gravity = {f->tables.gravity[0], f->tables.gravity[1], f->tables.gravity[2]},
                                        .density = f->rules.density,
                                        .strength = f->rules.strength,
                                        .compression = f->rules.compression};

@@ -15,10 +15,6 @@ struct scree_frost_snapshot {
   double* path_water;
 };
 
-static uint32_t kept(uint32_t path_length) {
-  return path_length < FROST_LAST_PATH ? path_length : FROST_LAST_PATH;
-}
-
 /* A copy, or NULL where there is nothing to copy or no memory, which `enough` then tells. */
 static void* copy(const scree_frost* f, const void* from, size_t count, size_t size, bool* enough) {
   if (count == 0) return NULL;
@@ -33,8 +29,8 @@ static void release(const scree_frost* f, scree_frost_snapshot* s) {
   scree_rt_release(&f->allocator, s->lives, f->view.interior_link_count, sizeof *s->lives);
   scree_rt_release(&f->allocator, s->blocks, s->stats.blocks, sizeof *s->blocks);
   scree_rt_release(&f->allocator, s->block_shards, s->block_shard_count, sizeof *s->block_shards);
-  scree_rt_release(&f->allocator, s->path_links, kept(s->path_length), sizeof *s->path_links);
-  scree_rt_release(&f->allocator, s->path_water, kept(s->path_length), sizeof *s->path_water);
+  scree_rt_release(&f->allocator, s->path_links, frost_path_kept(s->path_length), sizeof *s->path_links);
+  scree_rt_release(&f->allocator, s->path_water, frost_path_kept(s->path_length), sizeof *s->path_water);
   scree_rt_release(&f->allocator, s, 1, sizeof *s);
 }
 
@@ -56,8 +52,8 @@ scree_result scree_frost_save(const scree_frost* f, scree_frost_snapshot** out) 
   s->lives = copy(f, f->lives, f->view.interior_link_count, sizeof *s->lives, &enough); /* exterior links have none */
   s->blocks = copy(f, f->blocks, f->stats.blocks, sizeof *s->blocks, &enough);
   s->block_shards = copy(f, f->block_shards, f->block_shard_count, sizeof *s->block_shards, &enough);
-  s->path_links = copy(f, f->path_links, kept(f->path_length), sizeof *s->path_links, &enough);
-  s->path_water = copy(f, f->path_water, kept(f->path_length), sizeof *s->path_water, &enough);
+  s->path_links = copy(f, f->path_links, frost_path_kept(f->path_length), sizeof *s->path_links, &enough);
+  s->path_water = copy(f, f->path_water, frost_path_kept(f->path_length), sizeof *s->path_water, &enough);
   if (!enough) {
     release(f, s);
     return SCREE_ERROR_OUT_OF_MEMORY;
@@ -76,8 +72,8 @@ void scree_frost_restore(scree_frost* f, const scree_frost_snapshot* s) {
   copy_back(f->lives, s->lives, f->view.interior_link_count * sizeof *s->lives);
   copy_back(f->blocks, s->blocks, s->stats.blocks * sizeof *s->blocks);
   copy_back(f->block_shards, s->block_shards, s->block_shard_count * sizeof *s->block_shards);
-  copy_back(f->path_links, s->path_links, kept(s->path_length) * sizeof *s->path_links);
-  copy_back(f->path_water, s->path_water, kept(s->path_length) * sizeof *s->path_water);
+  copy_back(f->path_links, s->path_links, frost_path_kept(s->path_length) * sizeof *s->path_links);
+  copy_back(f->path_water, s->path_water, frost_path_kept(s->path_length) * sizeof *s->path_water);
   f->block_shard_count = s->block_shard_count;
   f->unchecked = s->unchecked;
   f->path_length = s->path_length;

@@ -274,7 +274,7 @@ static void visit_level(frost_stability* s, const frost_stability_state* state, 
   }
 }
 
-/* A level's shards join what they touch at their own level or farther out. Those that broke off have no level any more. */
+/* A level's shards join what they touch at their own level or farther out. Those that broke off are passed over. */
 static void gather(frost_stability* s, const frost_stability_state* state, uint32_t first, uint32_t end) {
   const scree_shards_view* v = &s->view;
   for (uint32_t q = first; q < end; ++q) {

@@ -3,12 +3,6 @@
 
 #include "frost_internal.h"
 
-/* cos(x) for 0 <= x <= pi. */
-static double cosine_of(double x) {
-  const double pi = 3.14159265358979323846;
-  return x <= pi / 2 ? repeatable_cos(x) : -repeatable_cos(pi - x > 0 ? pi - x : 0);
-}
-
 static frost_rain make_rain(const scree_rain* rule) {
   const double pi = 3.14159265358979323846;
   frost_rain rain = {.weight = rule->weight};
@@ -25,9 +19,10 @@ static frost_rain make_rain(const scree_rain* rule) {
     const int b = (a + 1) % 3, c = (a + 2) % 3;
     rain.other[a] = rain.axis[b] * rain.side[c] - rain.axis[c] * rain.side[b];
   }
-  const double half = cosine_of(pi / 2 - rule->spread / 2 > 0 ? pi / 2 - rule->spread / 2 : 0); /* the sine of half of it */
-  rain.cosine = cosine_of(rule->spread);
-  rain.sine = cosine_of(fabs(pi / 2 - rule->spread));
+  const double half =
+      repeatable_cos_to_pi(pi / 2 - rule->spread / 2 > 0 ? pi / 2 - rule->spread / 2 : 0); /* the sine of half of it */
+  rain.cosine = repeatable_cos_to_pi(rule->spread);
+  rain.sine = repeatable_cos_to_pi(fabs(pi / 2 - rule->spread));
   rain.cap = rule->spread > 0 ? 2 * half * half : 0; /* not 1 - cosine, which loses small spreads */
   return rain;
 }

@@ -166,11 +166,6 @@ static uint32_t placement_count(const rock_set* set) {
   return set->cliff != NULL ? set->cliff->placement_first[set->cliff->time_count] : 0;
 }
 
-/* False for NaN too. */
-static bool within(float value, float limit) {
-  return value >= -limit && value <= limit;
-}
-
 static bool placement_is_sound(const rock_set* set, const scree_block_placement* at) {
   bool sound = at->asset >= set->cliff->time_count && at->asset < set->rock_count;
   for (int axis = 0; axis < 3; ++axis) sound &= within(at->translation[axis], PACK_MAX_MODEL_REACH);

@@ -51,4 +51,10 @@ static inline double repeatable_cos(double x) {
   return sum;
 }
 
+/* cos(x) for 0 <= x <= pi. */
+static inline double repeatable_cos_to_pi(double x) {
+  const double pi = 3.14159265358979323846;
+  return x <= pi / 2 ? repeatable_cos(x) : -repeatable_cos(pi - x > 0 ? pi - x : 0);
+}
+
 #endif

@@ -145,7 +145,6 @@ static scree_result make_grid(work* w, scree_error* error) {
 typedef struct crossing {
   double height;
   int32_t sign; /* 1: into the rock, on the way up */
-  uint32_t column;
 } crossing;
 
 typedef struct crossings {
@@ -200,7 +199,7 @@ static void cross_polygon(const work* w, const scree_polygon* polygon, const dou
         continue;
       }
       double height = anchor[1] - (outward[0] * (x - anchor[0]) + outward[2] * (z - anchor[2])) / outward[1];
-      out->list[--out->starts[column]] = (crossing){height, outward[1] < 0 ? 1 : -1, column};
+      out->list[--out->starts[column]] = (crossing){height, outward[1] < 0 ? 1 : -1};
     }
 }
 
@@ -314,7 +313,7 @@ static uint32_t block_points(const work* w, const scree_block* block, double* ou
 }
 
 /* Room for the largest block. */
-static scree_result make_scratch(work* w, scree_rubble* rubble) {
+static scree_result make_scratch(work* w, scree_rubble* rubble, scree_error* error) {
   uint32_t blocks = 0;
   double widest = 0;
   for (uint32_t i = 0; i < w->input->block_count; ++i) {
@@ -340,6 +339,7 @@ static scree_result make_scratch(work* w, scree_rubble* rubble) {
     }
   }
   const double side = floor(2 * sqrt(widest) / w->solid.size) + 4;
+  if (!(side * side <= MOST_COLUMNS)) return wrong(error, "resolution", w->solid.size, "too small for so large a block");
   const uint32_t cells = (uint32_t)(side * side);
   for (int r = 0; r < 2; ++r) {
     w->rasters[r].cells = scree_rt_allocate(&w->allocator, cells, sizeof(rubble_cell));
@@ -413,7 +413,7 @@ static scree_result settle_all(work* w, scree_rubble* rubble, scree_error* error
   if (!tell(w, 0)) return SCREE_ERROR_CANCELLED;
   scree_result result = make_grid(w, error);
   if (result == SCREE_OK) result = fill_solid(w);
-  if (result == SCREE_OK) result = make_scratch(w, rubble);
+  if (result == SCREE_OK) result = make_scratch(w, rubble, error);
   for (uint32_t i = 0; i < w->input->block_count && result == SCREE_OK; ++i) {
     if (kept(w, i)) result = settle_block(w, i, rubble);
     if (result == SCREE_OK && i % 64 == 63 && !tell(w, (double)i / w->input->block_count)) result = SCREE_ERROR_CANCELLED;

@@ -21,10 +21,8 @@ scree_result dexels_create(const scree_allocator* allocator, const double origin
 }
 
 void dexels_free(dexels* d) {
-  if (d->size > 0) {
-    scree_rt_release(&d->allocator, d->first, (size_t)d->count[0] * d->count[1], sizeof *d->first);
-    scree_rt_release(&d->allocator, d->pool, d->pool_capacity, sizeof *d->pool);
-  }
+  scree_rt_release(&d->allocator, d->first, (size_t)d->count[0] * d->count[1], sizeof *d->first);
+  scree_rt_release(&d->allocator, d->pool, d->pool_capacity, sizeof *d->pool);
   memset(d, 0, sizeof *d);
 }
 

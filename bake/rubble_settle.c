@@ -141,7 +141,7 @@ static fit fits(const rubble_mover* m, const rubble_raster* raster, const int32_
 
 /* --- ways -------------------------------------------------------------------------------------------------------------------- */
 
-/* Out of the rock it was part of: along its push, else sideways or up, the nearest first. */
+/* Out of the rock it was part of: along its push, else sideways or up, the nearest first, and down to what lies below. */
 static bool push_out(const rubble_mover* m, rubble_pose* pose, const double push[3]) {
   const dexels* d = m->solid;
   double rest;
@@ -155,7 +155,7 @@ static bool push_out(const rubble_mover* m, rubble_pose* pose, const double push
     if (f == FIT_FREE) {
       pose->column[0] = at[0];
       pose->column[1] = at[1];
-      pose->height = height;
+      pose->height = rest;
       return true;
     }
   }
@@ -175,7 +175,7 @@ static bool push_out(const rubble_mover* m, rubble_pose* pose, const double push
       if (f != FIT_FREE) continue;
       pose->column[0] = at[0];
       pose->column[1] = at[1];
-      pose->height = height;
+      pose->height = rest;
       return true;
     }
   }
@@ -341,9 +341,6 @@ static void tip(rubble_mover* m, rubble_pose* pose) {
 bool rubble_move(rubble_mover* m, rubble_pose* pose, const double push[3]) {
   rubble_rasterise(m, pose->turn, pose->part, &m->rasters[0]);
   if (!push_out(m, pose, push)) return false;
-  double rest;
-  if (fits(m, &m->rasters[0], pose->column, pose->height, &rest) != FIT_FREE) return false;
-  pose->height = rest;
   lie_down(m, pose);
   for (int round = 0; round < 4; ++round) {
     bool moved;

@@ -143,7 +143,7 @@ static scree_result make_finest(shard_levels* levels, shard_asset* out) {
     const uint32_t target = (uint32_t)((uint64_t)mesh->triangle_count * SHARD_ASSET_MAX_VERTICES / mesh->vertex_count * 95 / 100);
     shard_level_release(mesh, &levels->allocator);
     const uint32_t made = mesh_simplifier_run(levels->simplifier, target);
-    if (made == left) return SCREE_ERROR_INVALID_ARGUMENT;
+    if (made == left) return SCREE_ERROR_RANGE;
     left = made;
   }
 }
@@ -285,7 +285,7 @@ scree_result shard_asset_make(const shard_asset_desc* desc, const scree_allocato
   const uint32_t count = desc->shards->view.vertex_count;
   int16_t(*places)[3] = scree_rt_allocate(&from, count, sizeof *places);
   if (places == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
-  scree_result result = set_places(desc, places) ? SCREE_OK : SCREE_ERROR_INVALID_ARGUMENT;
+  scree_result result = set_places(desc, places) ? SCREE_OK : SCREE_ERROR_RANGE;
   if (result == SCREE_OK) result = make_levels(desc, (const int16_t(*)[3])places, &from, out);
   if (result == SCREE_OK) result = add_mass(desc, (const int16_t(*)[3])places, &from, out);
   scree_rt_release(&from, places, count, sizeof *places);

@@ -49,8 +49,7 @@ typedef struct shard_asset {
 
 typedef struct shard_asset_desc {
   const scree_shards* shards;
-  const uint8_t* inside;     /* of each shard: 1 = it is part of the asset */
-  const uint8_t* durability; /* of each shard, the byte of the pack; NULL = 64 */
+  const uint8_t* inside; /* of each shard: 1 = it is part of the asset */
   double origin[3];
   double rotation[4]; /* unit quaternion x, y, z, w about the origin, before anything else: a block as it lies; all zero = none */
   double steps_per_metre; /* > 0; everything must lie within 16384 steps of the origin */
@@ -66,7 +65,8 @@ void shard_asset_origin(const scree_shards* shards, double origin[3]);
  * origin: as above. */
 double shard_asset_lattice(const scree_shards* shards, const double origin[3]);
 
-/* allocator: for the arrays of `out`. Returns SCREE_OK, INVALID_ARGUMENT (nothing is inside, or it does not fit), or
+/* allocator: for the arrays of `out`. Returns SCREE_OK, INVALID_ARGUMENT (nothing is inside, or it is flat on
+ * the lattice), RANGE (it does not fit), or
  * OUT_OF_MEMORY; unless it is SCREE_OK, nothing of `out` is held. */
 scree_result shard_asset_make(const shard_asset_desc* desc, const scree_allocator* allocator, shard_asset* out);
 void shard_asset_destroy(shard_asset* asset, const scree_allocator* allocator); /* all zero is allowed */

@@ -218,11 +218,6 @@ scree_result scree_shard_solid_make(const scree_shard_desc* desc, scree_solid_me
 
 /* --- states ----------------------------------------------------------------------------------------------------------------- */
 
-/* Cosine of 0..pi. */
-static double cosine(double angle) {
-  return angle <= HALF_PI ? repeatable_cos(angle) : -repeatable_cos(2 * HALF_PI - angle);
-}
-
 static double along(const double a[3], const double b[3]) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
@@ -257,7 +252,7 @@ static bool is_within(const scree_shards_view* view, const scree_shard* shard, c
   switch (region->where) {
     case SCREE_SHARD_ALL: return true;
     case SCREE_SHARD_EXTERIOR: return is_facing(view, shard, direction, -2);
-    case SCREE_SHARD_FACING: return is_facing(view, shard, direction, cosine(region->angle));
+    case SCREE_SHARD_FACING: return is_facing(view, shard, direction, repeatable_cos_to_pi(region->angle));
     case SCREE_SHARD_AT_BASE: {
       const double slack = 1e-6 * (view->max[1] - view->min[1]);
       return lowest(view, shard) <= view->min[1] + region->depth + slack;

@@ -8,6 +8,8 @@
 #include "lattice.h"
 #include "shards_internal.h"
 
+#define ROCK_DURABILITY 64 /* the byte that stands for 1 */
+
 enum {
   ROCK_CURVATURE = 128, /* none */
   EDGE_CURVATURE = 176, /* where cuts meet others or the solid's surface, outwards */
@@ -33,7 +35,6 @@ static scree_result set_triangles(shard_levels* l, const shard_asset_desc* desc,
     memcpy(l->mesh.corners[t], triangle->corner, sizeof triangle->corner);
     l->groups[t] = cut ? solid->triangle_count + triangle->source : charts[triangle->source];
     l->materials[t] = cut ? SURFACE_CUT : SURFACE_SOLID;
-    l->durability[t] = desc->durability != NULL ? desc->durability[triangle->shard] : 64;
     for (uint32_t k = 0; k < 3; ++k)
       memcpy(l->mesh.uvs[t][k], surface->surface.vertices[surface->surface.indices[(size_t)3 * t + k]].uv,
              sizeof l->mesh.uvs[t][k]);
@@ -114,10 +115,8 @@ static bool arrays_create(shard_levels* l) {
   l->mesh.uvs = scree_rt_allocate(&l->allocator, triangles, sizeof *l->mesh.uvs);
   l->mesh.groups = l->groups = scree_rt_allocate(&l->allocator, triangles, sizeof *l->groups);
   l->mesh.materials = l->materials = scree_rt_allocate(&l->allocator, triangles, 1);
-  l->durability = scree_rt_allocate(&l->allocator, triangles, 1);
   l->openness = scree_rt_allocate(&l->allocator, (size_t)3 * triangles, sizeof *l->openness);
-  return l->mesh.corners != NULL && l->mesh.uvs != NULL && l->groups != NULL && l->materials != NULL && l->durability != NULL &&
-         l->openness != NULL;
+  return l->mesh.corners != NULL && l->mesh.uvs != NULL && l->groups != NULL && l->materials != NULL && l->openness != NULL;
 }
 
 scree_result shard_levels_create(const shard_asset_desc* desc, const surface_vertices* surface, const int16_t (*places)[3],
@@ -145,7 +144,6 @@ void shard_levels_destroy(shard_levels* l) {
   scree_rt_release(&l->allocator, l->mesh.uvs, triangles, sizeof *l->mesh.uvs);
   scree_rt_release(&l->allocator, l->groups, triangles, sizeof *l->groups);
   scree_rt_release(&l->allocator, l->materials, triangles, 1);
-  scree_rt_release(&l->allocator, l->durability, triangles, 1);
   scree_rt_release(&l->allocator, l->openness, (size_t)3 * triangles, sizeof *l->openness);
   memset(l, 0, sizeof *l);
 }
@@ -240,7 +238,7 @@ static uint8_t curvature_at(const take_work* w, uint32_t rank) {
 static uint32_t find_vertex(take_work* w, uint32_t triangle, uint32_t k, lattice_mesh* out) {
   const shard_levels* l = w->levels;
   const uint32_t v = l->mesh.corners[triangle][k], rank = l->rank[v], group = l->groups[triangle];
-  const uint8_t surface[4] = {l->materials[triangle], l->durability[triangle], curvature_at(w, rank), colour_of(w, group, rank)};
+  const uint8_t surface[4] = {l->materials[triangle], ROCK_DURABILITY, curvature_at(w, rank), colour_of(w, group, rank)};
   const float* uv = l->mesh.uvs[triangle][k];
   uint32_t bits[2];
   memcpy(bits, uv, sizeof bits);

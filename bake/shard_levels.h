@@ -12,7 +12,6 @@ typedef struct shard_levels {
   simplify_mesh mesh; /* its arrays are owned */
   uint32_t* groups;   /* of each triangle: smooth over every edge within one */
   uint8_t* materials;
-  uint8_t* durability;
   uint64_t* openness; /* by vertex and group, sorted: vertex << 40 | group << 8 | occlusion */
   uint32_t* rank;     /* of each vertex: equal for equal places */
   uint32_t rank_count;

@@ -395,8 +395,7 @@ static int by_shards(const void* a, const void* b) {
 static void join_pieces(assembly* a) {
   const shard_piece* pieces = a->pieces->pieces;
   const double angle = a->desc->link_angle == 0 ? 0.35 : a->desc->link_angle;
-  const double quarter = 1.57079632679489661923;
-  const double cosine = angle <= quarter ? repeatable_cos(angle) : -repeatable_cos(2 * quarter - angle);
+  const double cosine = repeatable_cos_to_pi(angle);
   for (uint32_t i = 0; i < a->pair_count; ++i) {
     const uint32_t p = a->pairs[i].a / 2, q = a->pairs[i].b / 2;
     if (pieces[p].cells[1] != pieces[q].cells[1] || pieces[p].cells[0] != pieces[q].cells[0]) continue;

@@ -1,5 +1,5 @@
 /* Polygons of cells, as the two ways of clipping make them, before they are shards: walls (shard_walls.c) and meshes
- * (shard_clip.c) write them, shards.c joins them into shards and links. */
+ * (shard_clip.c) write them, shard_links.c joins them into shards and links. */
 #ifndef SCREE_SHARD_PIECES_H
 #define SCREE_SHARD_PIECES_H
 

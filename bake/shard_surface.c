@@ -28,7 +28,7 @@ typedef struct surface_work {
   uint32_t* loop;           /* corners */
   uint32_t* ears;           /* triangles of one polygon */
   ear_corner* ear_corners;
-  uint32_t listed, most_corners;
+  uint32_t most_corners;
 } surface_work;
 
 static uint32_t shard_of(const surface_work* w, uint32_t polygon) {

@@ -265,11 +265,6 @@ static scree_result read_value(const shard_key* key, const recipe_place* at, con
   return result;
 }
 
-static scree_result give_one_of_both(const char* given, const char* other, scree_error* error) {
-  recipe_say(error, "%s: give %s or %s, not both", given, other, given);
-  return SCREE_ERROR_SYNTAX;
-}
-
 /* A key of the recipe or of its rules. */
 static scree_result read_top(const char* name, const cJSON* value, scree_shard_recipe* out, scree_error* error) {
   const shard_key *key = find(shard_keys, name), *rule = find(shard_rule_keys, name);
@@ -308,8 +303,10 @@ scree_result scree_shard_recipe_parse(const char* text, size_t size, scree_shard
     recipe_say(error, "kind: missing; expected \"shards\"");
     result = SCREE_ERROR_SYNTAX;
   }
-  if (result == SCREE_OK && cJSON_HasObjectItem(root, "paths") && cJSON_HasObjectItem(root, "shares"))
-    result = give_one_of_both("shares", "paths", error);
+  if (result == SCREE_OK && cJSON_HasObjectItem(root, "paths") && cJSON_HasObjectItem(root, "shares")) {
+    recipe_say(error, "shares: give paths or shares, not both");
+    result = SCREE_ERROR_SYNTAX;
+  }
   cJSON_Delete(root);
   return result == SCREE_OK ? shard_check(out, error) : result;
 }
@@ -352,9 +349,11 @@ static scree_result check_keys(const shard_key* keys, const recipe_place* outer,
                                scree_error* error);
 
 static scree_result check_phase(const shard_key* key, const recipe_place* at, const scree_shard_phase* phase, scree_error* error) {
-  const recipe_place share = recipe_inside(at, "share");
-  scree_result result = SCREE_OK;
-  if (!(phase->share < 0)) result = check_number(find(key->members, "share"), &share, phase->share, false, error);
+  const bool by_paths = phase->share < 0;
+  const char* name = by_paths ? "paths" : "share";
+  const recipe_place moment = recipe_inside(at, name);
+  const scree_result result =
+      check_number(find(key->members, name), &moment, by_paths ? phase->paths : phase->share, by_paths, error);
   return result == SCREE_OK ? check_keys(shard_rule_keys, at, &phase->rules, phase->changes, error) : result;
 }
 

@@ -130,11 +130,13 @@ static void move_seeds(const double* from, uint32_t count, uint32_t attempt, dou
   }
 }
 
-static bool told_to_stop(const scree_shards_desc* desc, double done) {
+/* done never falls: what is left shrinks with each attempt. */
+static bool told_to_stop(const scree_shards_desc* desc, double left) {
+  const double done = 1 - left;
   return desc->progress != NULL && !desc->progress(desc->progress_user, "shards", done);
 }
 
-static scree_result attempt_shards(const scree_shards_desc* desc, const shard_input* input, const shard_space* space,
+static scree_result attempt_shards(const scree_shards_desc* desc, const shard_input* input, const shard_space* space, double* left,
                                    scree_shards** out, scree_error* error) {
   shard_pieces pieces;
   scree_result result = desc->clip == SCREE_CLIP_WALLS ? shard_walls_cut(input, &pieces) : shard_clip_cut(input, &pieces);
@@ -142,7 +144,8 @@ static scree_result attempt_shards(const scree_shards_desc* desc, const shard_in
     if (result == SCREE_ERROR_UNSUPPORTED) tell(error, result, "cells do not fit together: the solid crosses itself");
     return result;
   }
-  if (told_to_stop(desc, 0.7))
+  *left *= 0.3;
+  if (told_to_stop(desc, *left))
     result = SCREE_ERROR_CANCELLED;
   else {
     if (!space->is_plain)
@@ -155,17 +158,17 @@ static scree_result attempt_shards(const scree_shards_desc* desc, const shard_in
 
 /* As given first, then with seeds moved, as long as the geometry cannot be right. */
 static scree_result try_shards(const scree_shards_desc* desc, const shard_input* still, const shard_space* space, double* moved,
-                               scree_shards** out, scree_error* error) {
+                               double* left, scree_shards** out, scree_error* error) {
   shard_input input = *still;
   const double reach = MOVED * spacing_of(still);
   scree_result result = SCREE_ERROR_UNSUPPORTED;
   for (uint32_t attempt = 0; attempt <= MOST_ATTEMPTS && result == SCREE_ERROR_UNSUPPORTED; ++attempt) {
-    if (told_to_stop(desc, 0)) return SCREE_ERROR_CANCELLED;
+    if (told_to_stop(desc, *left)) return SCREE_ERROR_CANCELLED;
     if (attempt > 0) {
       move_seeds(still->seeds, still->seed_count, attempt, reach, moved);
       input.seeds = moved;
     }
-    result = attempt_shards(desc, &input, space, out, error);
+    result = attempt_shards(desc, &input, space, left, out, error);
     if (result == SCREE_OK) (*out)->view.attempts = attempt;
   }
   return result;
@@ -176,11 +179,12 @@ static scree_result make_shards(const scree_shards_desc* given, const shard_inpu
   scree_shards_desc desc = *given;
   scree_result result = choose_clip(given, input, &desc.clip, error);
   if (result != SCREE_OK) return result;
-  result = try_shards(&desc, input, space, moved, out, error);
+  double left = 1;
+  result = try_shards(&desc, input, space, moved, &left, out, error);
   if (result != SCREE_ERROR_UNSUPPORTED || given->clip != SCREE_CLIP_AUTO || desc.clip == SCREE_CLIP_MESH) return result;
   /* Not as convex as it looked. */
   desc.clip = SCREE_CLIP_MESH;
-  return try_shards(&desc, input, space, moved, out, error);
+  return try_shards(&desc, input, space, moved, &left, out, error);
 }
 
 scree_result scree_shards_create(const scree_shards_desc* desc, scree_shards** out, scree_error* error) {
@@ -207,7 +211,7 @@ scree_result scree_shards_create(const scree_shards_desc* desc, scree_shards** o
   scree_rt_release(&allocator, moved, seeds, 3 * sizeof *moved);
   if (result == SCREE_ERROR_OUT_OF_MEMORY) return tell(error, result, "out of memory");
   if (result == SCREE_ERROR_CANCELLED) return tell(error, result, "cancelled");
-  if (result == SCREE_OK && desc->progress != NULL && told_to_stop(desc, 1)) {
+  if (result == SCREE_OK && told_to_stop(desc, 0)) {
     scree_shards_destroy(*out);
     *out = NULL;
     return tell(error, SCREE_ERROR_CANCELLED, "cancelled");

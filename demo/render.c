@@ -226,7 +226,7 @@ scree_result render_set_terrain(render* r, const float* positions, const float* 
 
 scree_result render_set_free_mesh(render* r, const render_vertex* vertices, uint32_t vertex_count, const uint32_t* indices,
                                   uint32_t index_count, render_look look, const uint8_t colour[3]) {
-  if (look == RENDER_LOOK_STONE) return SCREE_ERROR_INVALID_ARGUMENT;
+  if (look != RENDER_LOOK_HOODOO && look != RENDER_LOOK_PAINTED) return SCREE_ERROR_INVALID_ARGUMENT;
   r->last.width = 0;
   r->free_mesh.look = look;
   memcpy(r->free_mesh.colour, colour, sizeof r->free_mesh.colour);

@@ -37,7 +37,8 @@ typedef enum render_look {
   RENDER_LOOK_STONE = 0,   /* nothing: rocks of a pack of tiles */
   RENDER_LOOK_HOODOO = 1,  /* bed, colluvium, durability and curvature: a pack of models; cells are metres */
   RENDER_LOOK_PAINTED = 2, /* an sRGB colour in the bytes material, durability and curvature; cells are metres */
-  RENDER_LOOK_CLIFF = 3    /* material, of which 2 is a cut, durability: a pack of a cliff; cells are metres */
+  RENDER_LOOK_CLIFF =
+      3 /* material, of which 2 is a cut, durability and curvature, lit as stone: a pack of a cliff; cells are metres */
 } render_look;
 
 /* Where meshes come from: a pack, or a test's own stones. `decode` may run on several threads at once; `vertices` and `indices`

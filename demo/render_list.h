@@ -32,7 +32,7 @@ typedef struct render_view {
   float pixel;         /* metres across a pixel: at distance 1, or everywhere for a parallel view */
   float pixel_error;   /* pixels that an outline may be off */
   int32_t lod;         /* >= 0: this level for every stone */
-  uint32_t tags;       /* or'ed into the tags of every stone */
+  uint32_t tags;       /* or'ed into the tags of every stone, cliffs included */
   uint32_t model_tags; /* the same of every model */
 } render_view;
 

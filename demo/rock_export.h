@@ -33,8 +33,9 @@ typedef struct rock_turn {
   float sine, cosine, scale;
 } rock_turn;
 
-/* Rocks of one field, models of one scatter, or any others of one pack or set of models. Hoodoos have the tints of their beds and
- * of what crumbled off them in the colours of their vertices, models from files their own colours there and a white material. */
+/* Rocks of one field, models of one scatter, or any others of one pack or set of models. Cliffs are paler where frost cut them;
+ * hoodoos have the tints of their beds and of what crumbled off them in the colours of their vertices, models from files their own
+ * colours there and a white material. */
 typedef struct rock_layer {
   const char* name;           /* of the node */
   const scree_pack* pack;     /* or NULL, and */

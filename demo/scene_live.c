@@ -238,21 +238,28 @@ static scree_result open_cliff(scene_live* w, uint32_t index, opened_field* made
                    cause.message[0] != '\0' ? cause.message : scree_result_string(result));
 }
 
-/* A box around a cliff and its blocks, for those who ask where its instances are. */
+/* A box around what stands of a cliff and its blocks, however it is turned, for those who ask where its instances are. */
 static scree_result box_cliff(scene_live* w, uint32_t index, opened_field* made, scree_error* error) {
   const scene_field* model = &w->desc.scene->fields[index];
+  const scree_pack* pack = made->pack->pack;
   scree_cliff_time time;
-  scree_result result = scree_pack_get_time(made->pack->pack, model->cliff.time, &time);
-  double reach = 1;
-  for (int a = 0; a < 3; ++a) reach += fmax(fabs((double)time.bounds_min[a]), fabs((double)time.bounds_max[a]));
-  scree_shape box = {.kind = SCREE_SHAPE_BOX};
-  for (int a = 0; a < 3; ++a) box.box.half[a] = (float)(reach * model->cliff.scale);
-  scree_support_desc desc = {.shapes = &box, .shape_count = 1};
-  memcpy(desc.origin, model->origin, sizeof desc.origin);
-  if (result == SCREE_OK) result = scree_support_create(&desc, NULL, &made->support, NULL);
-  return result == SCREE_OK
-             ? SCREE_OK
-             : fail_with(error, result, "%s: fields[%u]: %s", w->desc.paths.scene, (unsigned)index, scree_result_string(result));
+  scree_asset standing;
+  scree_result result = scree_pack_get_time(pack, model->cliff.time, &time);
+  if (result == SCREE_OK) result = scree_pack_get_asset(pack, time.asset, &standing);
+  if (result == SCREE_OK) {
+    double reach[3];
+    for (int a = 0; a < 3; ++a)
+      reach[a] = fmax(fmax(fabs((double)time.bounds_min[a]), fabs((double)time.bounds_max[a])),
+                      fmax(fabs((double)standing.bounds_min[a]), fabs((double)standing.bounds_max[a])));
+    const double across = sqrt(reach[0] * reach[0] + reach[2] * reach[2]) * model->cliff.scale;
+    const scree_shape box = {.kind = SCREE_SHAPE_BOX,
+                             .box.half = {(float)across, (float)(reach[1] * model->cliff.scale), (float)across}};
+    scree_support_desc desc = {.shapes = &box, .shape_count = 1};
+    memcpy(desc.origin, model->origin, sizeof desc.origin);
+    result = scree_support_create(&desc, NULL, &made->support, NULL);
+  }
+  if (result == SCREE_OK) return SCREE_OK;
+  return fail_with(error, result, "%s: fields[%u]: %s", w->desc.paths.scene, (unsigned)index, scree_result_string(result));
 }
 
 static scree_result open_field(scene_live* w, uint32_t index, opened_field* made, scree_error* error) {
@@ -300,15 +307,15 @@ static scree_result fill_layer(scene_live* w, uint32_t index, opened_field* made
                               .scatter = made->scatter,
                               .support = model->is_cliff ? NULL : made->support,
                               .key = scene_field_key(w->desc.scene, index),
-                              .density = model->is_cliff ? 1 : (float)model->density,
-                              .filter_count = model->is_cliff ? 0 : model->filter_count};
+                              .density = (float)model->density,
+                              .filter_count = model->filter_count};
   if (!model->is_scatter && !model->is_cliff) {
     scree_pack_info info;
     scree_pack_get_info(made->pack->pack, &info);
     made->layer.threshold = (float)model->threshold;
     made->layer.shell_depth = model->shell ? (float)(2 * (double)info.max_radius * model->cell_size) : 0;
   }
-  for (uint32_t i = 0; i < made->layer.filter_count; ++i) {
+  for (uint32_t i = 0; i < model->filter_count; ++i) {
     char where[64];
     snprintf(where, sizeof where, "fields[%u].filters[%u]", (unsigned)index, (unsigned)i);
     scree_result result = fill_filter(w, &model->filters[i], where, &made->filters[i], error);

@@ -387,11 +387,11 @@ static void write_field(text_buffer* t, const scene_field* field) {
     integer_key(t, 3, "key", (uint32_t)field->key);
     end(t, false);
   }
-  if (field->density != 1 && !field->is_cliff) {
+  if (field->density != 1) {
     number_key(t, 3, "density", field->density);
     end(t, false);
   }
-  if (field->filter_count > 0 && !field->is_cliff) {
+  if (field->filter_count > 0) {
     write_filters(t, field);
     end(t, false);
   }

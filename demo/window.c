@@ -332,7 +332,12 @@ static void press_left(viewer* v, int mods) {
     return;
   }
   scene_node* node = edit_leaf_at(v->scene, field, point);
-  if (node != NULL && (node != v->edit.node || field != v->edit.field)) {
+  if (node == NULL) { /* a cliff has no shapes */
+    v->edit.field = field;
+    v->edit.node = NULL;
+    return;
+  }
+  if (node != v->edit.node || field != v->edit.field) {
     v->edit.field = field;
     v->edit.node = node;
     if (v->log != NULL) fprintf(v->log, "select field=%u support=%s\n", field, scene_kind_name(node->kind)), fflush(v->log);
@@ -475,6 +480,7 @@ static void frame(viewer* v, double seconds_since) {
   for (int a = 0; a < 3; ++a) v->view.place[a] = (double)target[a] + origin[a];
   v->view.size = 0.12 * (double)v->camera.distance;
   v->view.message = v->message;
+  v->view.times = stage_times(v->stage, v->edit.field);
   panel_wishes wishes;
   panel_draw(v->panel, &v->view, &wishes);
   if (wishes.save) save_scene(v);
@@ -530,7 +536,6 @@ static int show(viewer* v, const scree_jobs* jobs) {
                          .panel = !v->options->no_panel,
                          .figures = !v->options->no_panel,
                          .stone_counts = v->stone_counts,
-                         .times = stage_times(v->stage, v->edit.field),
                          .colour = v->options->colour,
                          .wireframe = v->options->wireframe};
   go_home(v);

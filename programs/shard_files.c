@@ -84,7 +84,8 @@ static scree_result read_heights(const scree_shard_input* input, const char* fil
   memcpy(map.crop, input->crop, sizeof map.crop);
   height_samples samples;
   scree_error fault = {{0}};
-  const scree_result result = height_samples_load(&map, file, &samples, &fault);
+  scree_result result = height_samples_load(&map, file, &samples, &fault);
+  if (result == SCREE_ERROR_UNSUPPORTED) result = SCREE_ERROR_SYNTAX; /* of this file */
   if (result != SCREE_OK) return fail_with(error, result, "input.file: %.400s", fault.message);
   out->heights = samples.heights;
   out->width = samples.width;

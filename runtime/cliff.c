@@ -1,6 +1,5 @@
 /* Cliffs: scatters whose instances are the placements of a pack. */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include <scree/cliff.h>
@@ -9,6 +8,8 @@
 #include "scatter_internal.h"
 #include "scene_layers.h"
 #include "support_text.h"
+
+enum { MOST_BLOCKS = 1 << 24 };
 
 /* --- places ----------------------------------------------------------------------------------------------------------------- */
 
@@ -35,23 +36,25 @@ const cliff_point* scree_rt_cliff_point(const scree_scatter* s, int32_t x, int32
 
 bool scree_rt_cliff_visit(const scatter_visit* v, bool (*found)(void* user, const scatter_found* instance), void* user) {
   const scree_scatter* s = v->scatter;
-  const double half = s->lattice.cell_size * 0.5;
-  uint32_t local = 0;
-  for (uint32_t i = first_of(s, INT64_MIN, v->low[2]); i < s->cliff_count && s->points[i].tile[1] < v->high[2]; ++i) {
-    const cliff_point* p = &s->points[i];
-    const bool same = i > 0 && p->tile[0] == p[-1].tile[0] && p->tile[1] == p[-1].tile[1];
-    local = same ? local + 1 : 0;
-    const int64_t y = p->steps[1] >> SCATTER_SIDE_BITS;
-    if (p->tile[0] < v->low[0] || p->tile[0] >= v->high[0] || y < v->low[1] || y >= v->high[1]) continue;
-    const double at[3] = {s->unit * (double)p->steps[0], s->unit * (double)p->steps[1], s->unit * (double)p->steps[2]};
-    if (!(at[0] >= v->box_low[0] && at[0] <= v->box_high[0] && at[2] >= v->box_low[1] && at[2] <= v->box_high[1])) continue;
-    if (v->layer != NULL && v->layer->filtered) {
-      const double from[3] = {at[0] - half, at[1] - half, at[2] - half};
-      if (!scree_rt_scene_passes_at(v->layer, from, (const int32_t[3]){p->tile[0], 0, p->tile[1]}, local, false)) continue;
+  uint32_t first = first_of(s, v->low[0], v->low[2]); /* of a tile */
+  while (first < s->cliff_count && s->points[first].tile[1] < v->high[2]) {
+    const int32_t x = s->points[first].tile[0], z = s->points[first].tile[1];
+    if (x < v->low[0] || x >= v->high[0]) {
+      first = first_of(s, v->low[0], x < v->low[0] ? (int64_t)z : (int64_t)z + 1);
+      continue;
     }
-    const scatter_found instance = {
-        .tile = {p->tile[0], p->tile[1]}, .local = local, .model = p->asset, .steps = {p->steps[0], p->steps[1], p->steps[2]}};
-    if (!found(user, &instance)) return false;
+    uint32_t end = first;
+    for (; end < s->cliff_count && s->points[end].tile[0] == x && s->points[end].tile[1] == z; ++end) {
+      const cliff_point* p = &s->points[end];
+      const int64_t y = p->steps[1] >> SCATTER_SIDE_BITS;
+      if (y < v->low[1] || y >= v->high[1]) continue;
+      const double east = s->unit * (double)p->steps[0], south = s->unit * (double)p->steps[2];
+      if (!(east >= v->box_low[0] && east <= v->box_high[0] && south >= v->box_low[1] && south <= v->box_high[1])) continue;
+      const scatter_found instance = {
+          .tile = {x, z}, .local = end - first, .model = p->asset, .steps = {p->steps[0], p->steps[1], p->steps[2]}};
+      if (scree_rt_scatter_passes(v, &instance, false) && !found(user, &instance)) return false;
+    }
+    first = end;
   }
   return true;
 }
@@ -101,26 +104,21 @@ static scree_result check(const scree_cliff_desc* d, scree_error* error) {
   return SCREE_OK;
 }
 
-/* Places of all instances relative to the origin, metres, in the pack's order: what stands first. at: 3 each, or NULL to count. */
-static scree_result read_places(scree_scatter* s, const scree_cliff_desc* d, double* at, uint32_t* count) {
-  const uint32_t what = d->what != 0 ? d->what : SCREE_CLIFF_STANDING | SCREE_CLIFF_BLOCKS;
-  scree_cliff_time time;
-  scree_result result = scree_pack_get_time(d->pack, d->time, &time);
-  if (result != SCREE_OK) return result;
-  const uint32_t standing = what & SCREE_CLIFF_STANDING ? 1 : 0;
-  *count = standing + (what & SCREE_CLIFF_BLOCKS ? time.placement_count : 0);
-  if (at == NULL) return SCREE_OK;
+/* Fills in assets and numbers of all instances, in the pack's order, what stands first. at: their places relative to the origin,
+ * metres, 3 each. */
+static scree_result read_places(scree_scatter* s, const scree_pack* pack, const scree_cliff_time* time, uint32_t standing,
+                                double* at) {
   float turn[2], scale;
   scree_scatter_turn(s, s->turn_bits, turn, &scale);
+  const double size = (double)scale, sine = (double)turn[0], cosine = (double)turn[1];
   if (standing != 0) {
-    s->points[0] = (cliff_point){.asset = time.asset};
+    s->points[0] = (cliff_point){.asset = time->asset};
     at[0] = at[1] = at[2] = 0;
   }
-  const double size = (double)scale, sine = (double)turn[0], cosine = (double)turn[1];
-  for (uint32_t i = standing; i < *count;) {
+  for (uint32_t i = standing; i < s->cliff_count;) {
     scree_block_placement some[32];
-    const uint32_t n = *count - i < 32 ? *count - i : 32;
-    result = scree_pack_get_placements(d->pack, time.first_placement + (i - standing), n, some);
+    const uint32_t n = s->cliff_count - i < 32 ? s->cliff_count - i : 32;
+    const scree_result result = scree_pack_get_placements(pack, time->first_placement + (i - standing), n, some);
     if (result != SCREE_OK) return result;
     for (uint32_t k = 0; k < n; ++k, ++i) {
       const double x = (double)some[k].translation[0], y = (double)some[k].translation[1], z = (double)some[k].translation[2];
@@ -130,7 +128,7 @@ static scree_result read_places(scree_scatter* s, const scree_cliff_desc* d, dou
       at[3 * i + 2] = size * (cosine * z - sine * x);
     }
   }
-  for (uint32_t i = 0; i < *count; ++i)
+  for (uint32_t i = 0; i < s->cliff_count; ++i)
     if (s->points[i].asset >= s->model_count) return SCREE_ERROR_CORRUPT;
   return SCREE_OK;
 }
@@ -188,15 +186,20 @@ static scree_result make_ground(scree_scatter* s, const double* at) {
 }
 
 static scree_result make(scree_scatter* s, const scree_cliff_desc* desc, scree_error* error) {
+  const uint32_t what = desc->what != 0 ? desc->what : SCREE_CLIFF_STANDING | SCREE_CLIFF_BLOCKS;
+  const uint32_t standing = (what & SCREE_CLIFF_STANDING) != 0 ? 1 : 0;
+  scree_cliff_time time;
   scree_result result = scree_rt_scatter_copy_models(s, &(scree_scatter_desc){.pack = desc->pack}, error);
-  uint32_t count;
-  if (result == SCREE_OK) result = read_places(s, desc, NULL, &count);
+  if (result == SCREE_OK) result = scree_pack_get_time(desc->pack, desc->time, &time);
   if (result != SCREE_OK) return result;
+  const uint32_t blocks = (what & SCREE_CLIFF_BLOCKS) != 0 ? time.placement_count : 0;
+  if (blocks > MOST_BLOCKS) return scree_rt_scatter_wrong(SCREE_ERROR_RANGE, "pack: too many blocks", error);
+  const uint32_t count = standing + blocks;
   if (count == 0) return scree_rt_scatter_wrong(SCREE_ERROR_INVALID_ARGUMENT, "nothing had fallen at that time", error);
   double* at = scree_rt_allocate(&s->allocator, (size_t)3 * count, sizeof *at);
   s->points = scree_rt_allocate_zeroed(&s->allocator, count, sizeof *s->points);
   s->cliff_count = count;
-  result = at != NULL && s->points != NULL ? read_places(s, desc, at, &count) : SCREE_ERROR_OUT_OF_MEMORY;
+  result = at != NULL && s->points != NULL ? read_places(s, desc->pack, &time, standing, at) : SCREE_ERROR_OUT_OF_MEMORY;
   if (result == SCREE_OK && !place_all(s, at))
     result = scree_rt_scatter_wrong(SCREE_ERROR_RANGE, "pack: too many blocks lie in one place", error);
   if (result == SCREE_OK) {

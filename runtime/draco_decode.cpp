@@ -140,7 +140,8 @@ scree_result decode(const uint8_t* blob, size_t blob_size, uint32_t vertex_count
     return SCREE_ERROR_CORRUPT;
   if (kind == SCREE_PACK_CLIFF) {
     std::vector<uint8_t> groups(vertex_count);
-    for (uint32_t i = 0; i < vertex_count; ++i) groups[i] = value_of(*surface_attribute(mesh), i, 4)[3];
+    const auto& surface = *surface_attribute(mesh);
+    for (uint32_t i = 0; i < vertex_count; ++i) groups[i] = value_of(surface, i, 4)[3];
     const std::unique_ptr<char[]> scratch(new char[scree_rt_joined_normals_scratch(vertex_count)]);
     scree_rt_joined_normals(vertices, groups.data(), vertex_count, decoded, triangle_count, scratch.get());
   } else {
@@ -162,9 +163,10 @@ scree_result decode_uvs(const uint8_t* blob, size_t blob_size, uint32_t vertex_c
   draco::Mesh mesh;
   const scree_result result = decode_mesh(blob, blob_size, vertex_count, triangle_count, SCREE_PACK_CLIFF, &mesh);
   if (result != SCREE_OK) return result;
+  const auto &all_uvs = *uv_attribute(mesh), &surfaces = *surface_attribute(mesh);
   for (uint32_t i = 0; i < vertex_count; ++i) {
-    const uint8_t* uv = value_of(*uv_attribute(mesh), i, sizeof *uvs);
-    const uint8_t* surface = value_of(*surface_attribute(mesh), i, 4);
+    const uint8_t* uv = value_of(all_uvs, i, sizeof *uvs);
+    const uint8_t* surface = value_of(surfaces, i, 4);
     if (uv == nullptr || surface == nullptr) return SCREE_ERROR_CORRUPT;
     std::memcpy(&uvs[i], uv, sizeof *uvs);
     if (groups != nullptr) groups[i] = surface[3];

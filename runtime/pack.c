@@ -40,14 +40,6 @@ static scree_result read_section_table(scree_pack* pack) {
   return SCREE_OK;
 }
 
-static const void* section_bytes(const scree_pack* pack, uint32_t kind) {
-  return pack->bytes + pack->sections[kind - 1]->offset;
-}
-
-static uint64_t section_elements(const scree_pack* pack, uint32_t kind) {
-  return pack->sections[kind - 1]->size / pack->sections[kind - 1]->element_size;
-}
-
 /* Sets the typed views and checks that the lengths of all arrays agree. */
 static scree_result read_views(scree_pack* pack) {
   const pack_header* header = pack->header;
@@ -193,11 +185,6 @@ scree_result scree_pack_get_section(const scree_pack* pack, uint32_t index, scre
   const pack_section* section = pack->sections[index];
   *out = (scree_pack_section){names[index], section->size, section->size / section->element_size, section->digest};
   return SCREE_OK;
-}
-
-/* False for NaN too. */
-static bool within(float value, float limit) {
-  return value >= -limit && value <= limit;
 }
 
 /* A range of an array that holds `available` elements. */

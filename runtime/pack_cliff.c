@@ -4,19 +4,6 @@
 #include "pack_internal.h"
 #include "plain_mesh.h"
 
-static uint64_t section_elements(const scree_pack* pack, uint32_t kind) {
-  return pack->sections[kind - 1]->size / pack->sections[kind - 1]->element_size;
-}
-
-static const void* section_bytes(const scree_pack* pack, uint32_t kind) {
-  return pack->bytes + pack->sections[kind - 1]->offset;
-}
-
-/* False for NaN too. */
-static bool within(float value, float limit) {
-  return value >= -limit && value <= limit;
-}
-
 /* 21 bits, each moved to three times its place. */
 static uint64_t spread(uint64_t bits) {
   static const uint64_t masks[5] = {0x1f00000000ffff, 0x1f0000ff0000ff, 0x100f00f00f00f00f, 0x10c30c30c30c30c3, 0x1249249249249249};

@@ -193,4 +193,9 @@ uint64_t scree_rt_pack_place_code(const float translation[3]);
  */
 uint64_t scree_rt_pack_digest(const pack_header* header, const pack_section* sections[PACK_SECTION_KINDS]);
 
+/* Whether a number is at most a limit away from 0; false for NaN too. */
+static inline bool within(float value, float limit) {
+  return value >= -limit && value <= limit;
+}
+
 #endif

@@ -46,6 +46,14 @@ struct scree_pack {
   float reach; /* what no radius, error or coordinate of a centroid passes, cells */
 };
 
+static inline const void* section_bytes(const scree_pack* pack, uint32_t kind) {
+  return pack->bytes + pack->sections[kind - 1]->offset;
+}
+
+static inline uint64_t section_elements(const scree_pack* pack, uint32_t kind) {
+  return pack->sections[kind - 1]->size / pack->sections[kind - 1]->element_size;
+}
+
 #ifdef __cplusplus
 extern "C" {
 #endif

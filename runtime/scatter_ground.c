@@ -78,8 +78,7 @@ static void go_down(search* s, uint32_t count) {
   }
 }
 
-static bool passes(const search* s, const scatter_found* found, bool planar) {
-  const scatter_visit* v = s->visit;
+bool scree_rt_scatter_passes(const scatter_visit* v, const scatter_found* found, bool planar) {
   if (v->layer == NULL || !v->layer->filtered) return true;
   const double half = v->scatter->lattice.cell_size * 0.5;
   double at[3]; /* relative to the lattice's origin */
@@ -142,7 +141,9 @@ static bool settle(search* s, bool (*found)(void* user, const scatter_found* ins
   for (uint32_t i = 0; i < s->count && on; ++i) {
     const candidate* c = &s->candidates[i];
     const int64_t y = c->found.steps[1];
-    if (c->dropped || y < v->low[1] * SCATTER_SIDE || y >= v->high[1] * SCATTER_SIDE || !passes(s, &c->found, false)) continue;
+    if (c->dropped || y < v->low[1] * SCATTER_SIDE || y >= v->high[1] * SCATTER_SIDE ||
+        !scree_rt_scatter_passes(v, &c->found, false))
+      continue;
     on = found(user, &c->found);
   }
   s->count = 0;
@@ -252,7 +253,7 @@ static void look_at(search* s, int32_t x, int32_t z, uint32_t local) {
     if (!(at >= s->low[i] && at <= s->high[i])) return;
   }
   candidate c = {.found = {.tile = {x, z}, .local = local, .steps = {steps[0], 0, steps[1]}}};
-  if (!passes(s, &c.found, true)) return;
+  if (!scree_rt_scatter_passes(s->visit, &c.found, true)) return;
   const uint64_t hash = scree_rt_scatter_hash(scatter, x, z, local);
   float turn[2], scale;
   scree_scatter_turn(scatter, (uint32_t)(hash >> 32), turn, &scale);

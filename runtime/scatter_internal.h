@@ -138,6 +138,9 @@ typedef struct scatter_found {
   int64_t steps[3];
 } scatter_found;
 
+/* Whether the layer's filters let an instance exist. planar: those that need a height are left out. */
+bool scree_rt_scatter_passes(const scatter_visit* visit, const scatter_found* found, bool planar);
+
 /* Calls `found` for every instance, in a fixed order; stops, and returns false, when it does. */
 bool scree_rt_scatter_visit(const scatter_visit* visit, bool (*found)(void* user, const scatter_found* instance), void* user);
 

@@ -123,19 +123,21 @@ bool scree_rt_scene_scatter_asked(const scene_question* q, const scene_layer* la
 bool scree_rt_scene_scatter_rock(const scene_layer* layer, const scree_id* id, const uint32_t* packed, const double origin[3],
                                  scree_rock* rock) {
   const scree_scatter* s = layer->given.scatter;
-  int64_t steps[2];
-  if (!scree_rt_scatter_steps(s, id->cube[0], id->cube[2], id->local, steps)) return false;
-  if (rock == NULL) return true;
-  uint32_t known;
-  if (packed != NULL)
-    known = *packed;
-  else if (s->is_cliff) {
+  uint32_t known = 0;
+  if (s->is_cliff) {
     const cliff_point* point = scree_rt_cliff_point(s, id->cube[0], id->cube[2], id->local);
-    if (point->steps[1] >> SCATTER_SIDE_BITS != id->cube[1]) return false;
+    if (point == NULL || point->steps[1] >> SCATTER_SIDE_BITS != id->cube[1]) return false;
     known = scatter_pack(point->asset, point->steps[1]);
-  } else
-    known = scatter_pack(scree_rt_scatter_choose(s, scree_rt_scatter_hash(s, id->cube[0], id->cube[2], id->local), steps),
-                         SCATTER_SIDE / 2);
+  } else {
+    int64_t steps[2];
+    if (!scree_rt_scatter_steps(s, id->cube[0], id->cube[2], id->local, steps)) return false;
+    if (rock == NULL) return true;
+    known = packed != NULL
+                ? *packed
+                : scatter_pack(scree_rt_scatter_choose(s, scree_rt_scatter_hash(s, id->cube[0], id->cube[2], id->local), steps),
+                               SCATTER_SIDE / 2);
+  }
+  if (rock == NULL) return true;
   const uint32_t model = scatter_model_of(known);
   double place[3];
   scree_rt_scatter_place(s, id, known, place);

@@ -98,6 +98,7 @@ expect_refused("an open mesh", {"input": {"shape": "mesh", "file": "open.obj"}},
 expect_refused("a mesh that crosses itself", {"input": {"shape": "mesh", "file": "crossing.obj"}}, "input:")
 expect_refused("a missing height map", {"input": {**terrain, "file": "nowhere.png"}}, "input.file", "nowhere.png")
 expect_refused("text for a height map", {"input": {**terrain, "file": "text.png"}}, "input.file", "text.png")
+expect_refused("a height map of 8 bits", {"input": {**terrain, "file": "slices.png"}}, "input.file", "slices.png")
 expect_refused("a crop outside", {"input": {**terrain, "crop": [2, 2, 5, 5]}}, "input.file", "heights.png", "crop")
 expect_refused("a base above the ground", {"input": {**terrain, "base": 1}}, "input:", "base")
 expect_refused("a missing recipe", {"input": {"shape": "hoodoo", "file": "nowhere.json"}}, "input.file", "nowhere.json")

@@ -33,7 +33,7 @@ def resolve(part):
 
 def compare(key, part, path):
     part = resolve(part)
-    expect(part.get("description", "") != "" or key["kind"] == "columns", f"{path}: no description")
+    expect(part.get("description", "") != "", f"{path}: no description")
     kind = key["kind"]
     ends = (key["min"], key["max"])
     length = (part.get("minItems"), part.get("maxItems"))

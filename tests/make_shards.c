@@ -5,7 +5,7 @@
 
 #include "random.h"
 
-/* A quad of the lattice, by the axis it lies across: places[axis][x + ...], one for each layer of planes. */
+/* The lattice while it is made, and the arrays of its shards. */
 typedef struct lattice {
   uint32_t size[3];
   double* planes[3]; /* size[axis] + 1 places */
@@ -258,11 +258,4 @@ scree_shards* make_lattice(const uint32_t size[3], uint64_t random_seed, const s
   }
   free(l.surface);
   return shards;
-}
-
-void free_lattice(scree_shards* shards) {
-  if (shards == NULL) return;
-  const scree_allocator allocator = shards->allocator;
-  scree_rt_release(&allocator, shards->memory, shards->size, 1);
-  scree_rt_release(&allocator, shards, 1, sizeof *shards);
 }

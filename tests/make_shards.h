@@ -9,6 +9,5 @@
  * (with UVs) and both graphs are as scree_shards_create would give them; an edge within has four boxes round it, though, where
  * Voronoi cells in general position have three. Ends the program where memory is short. allocator: NULL = malloc and free. */
 scree_shards* make_lattice(const uint32_t size[3], uint64_t random_seed, const scree_allocator* allocator);
-void free_lattice(scree_shards* shards); /* NULL is allowed */
 
 #endif

@@ -119,6 +119,8 @@ static void instances_are_what_stands_and_every_placement_where_it_belongs(void*
       wrong.cube[1] += 1;
       assert_int_equal(scree_scene_find(w.scene, NULL, w.scratch, &wrong, desc.origin, &same, &what), SCREE_OK);
       assert_int_equal(what, SCREE_ROCK_UNKNOWN);
+      assert_int_equal(scree_scene_find(w.scene, NULL, w.scratch, &wrong, desc.origin, NULL, &what), SCREE_OK);
+      assert_int_equal(what, SCREE_ROCK_UNKNOWN);
     }
     free(rocks);
     world_free(&w);

@@ -86,7 +86,7 @@ static void states_are_the_twins_on_random_lattices_and_rules(void** state) {
     kept += f->stats.blocks;
     frost_twin_destroy(twin);
     scree_frost_destroy(f);
-    free_lattice(shards);
+    scree_shards_destroy(shards);
   }
   assert_true(breaks > ROUNDS(5000, 10) && falls > ROUNDS(1000, 10) && kept > ROUNDS(1000, 10));
 }
@@ -246,7 +246,7 @@ static void paths_start_by_area_and_direction(void** state) {
     free(chances);
     free(counts);
     scree_frost_destroy(f);
-    free_lattice(shards);
+    scree_shards_destroy(shards);
   }
 }
 
@@ -275,7 +275,7 @@ static void several_rains_share_paths_by_weight(void** state) {
     assert_true(fabs(counts[i] - PATHS * p) < 5 * sqrt(PATHS * p * (1 - p)));
   }
   scree_frost_destroy(f);
-  free_lattice(shards);
+  scree_shards_destroy(shards);
 }
 
 /* p_flow of the paper, with nothing of the library's but places, lives and which shards stand. */
@@ -341,7 +341,7 @@ static void water_flows_by_gravity_and_resistance(void** state) {
     free(counts);
     free(ends);
     scree_frost_destroy(f);
-    free_lattice(shards);
+    scree_shards_destroy(shards);
   }
 }
 
@@ -372,7 +372,7 @@ static void no_direction_of_a_cone_takes_more_than_the_weight(void** state) {
     }
     scree_frost_destroy(f);
   }
-  free_lattice(shards);
+  scree_shards_destroy(shards);
 }
 
 /* --- what always holds ------------------------------------------------------------------------------------------------------- */
@@ -446,7 +446,7 @@ static void what_stands_hangs_together_and_core_stays(void** state) {
     falls += f->stats.detachments;
     free(before);
     scree_frost_destroy(f);
-    free_lattice(shards);
+    scree_shards_destroy(shards);
   }
   assert_true(falls > ROUNDS(300, 10));
 }
@@ -474,7 +474,7 @@ static void runs_repeat_to_the_bit(void** state) {
   scree_frost_destroy(a);
   scree_frost_destroy(b);
   scree_frost_destroy(other);
-  free_lattice(shards);
+  scree_shards_destroy(shards);
 }
 
 int main(void) {

@@ -43,7 +43,7 @@ static scene make_scene(uint32_t x, uint32_t y, uint32_t z, uint64_t seed) {
 
 static void free_scene(scene* s) {
   frost_stability_destroy(s->stability);
-  free_lattice(s->shards);
+  scree_shards_destroy(s->shards);
   free(s->states);
   free(s->lives);
 }
@@ -520,7 +520,7 @@ static void a_simulation_breaks_what_the_rule_says(void** unused) {
     assert_int_equal(stats.solid, 0);
     assert_int_equal(scree_frost_check_stability(frost), 0);
     scree_frost_destroy(frost);
-    free_lattice(shards);
+    scree_shards_destroy(shards);
     free(states);
   }
   assert_true(overloaded > 0);
@@ -544,7 +544,7 @@ static void every_allocation_may_fail(void** unused) {
     if (!failing.failed) break;
     assert_int_equal(result, SCREE_ERROR_OUT_OF_MEMORY);
   }
-  free_lattice(shards);
+  scree_shards_destroy(shards);
 }
 
 int main(void) {

@@ -53,7 +53,7 @@ static void of_two_parts_the_smaller_falls_unless_it_has_core(void** state) {
     assert_memory_equal(f->states, cases[i].after, 5);
     scree_frost_destroy(f);
   }
-  free_lattice(shards);
+  scree_shards_destroy(shards);
 }
 
 static void what_an_edit_leaves_hanging_falls(void** state) {
@@ -95,7 +95,7 @@ static void what_an_edit_leaves_hanging_falls(void** state) {
   assert_int_equal(scree_frost_set_life(f, 0, NAN), SCREE_ERROR_INVALID_ARGUMENT);
   assert_int_equal(scree_frost_set_life(f, link_between(&shards->view, 10, 11), 0.5), SCREE_ERROR_INVALID_ARGUMENT);
   scree_frost_destroy(f);
-  free_lattice(shards);
+  scree_shards_destroy(shards);
 }
 
 static void a_pocket_is_exterior_when_it_is_opened(void** state) {
@@ -116,7 +116,7 @@ static void a_pocket_is_exterior_when_it_is_opened(void** state) {
   assert_int_equal(scree_frost_set_shard(f, middle + 10, SCREE_SHARD_SOLID), SCREE_OK);
   assert_int_equal(stats_of(f).exterior_links, outside);
   scree_frost_destroy(f);
-  free_lattice(shards);
+  scree_shards_destroy(shards);
 }
 
 /* What is kept up to date by and by is what it would be made anew. */
@@ -198,7 +198,7 @@ static void steps_after_edits_are_the_twins(void** state) {
       frost_twin_destroy(twin);
     }
     scree_frost_destroy(f);
-    free_lattice(shards);
+    scree_shards_destroy(shards);
   }
 }
 
@@ -229,7 +229,7 @@ static void a_group_falls_in_blocks_by_the_life_of_its_links(void** state) {
     if (count > 1) assert_true(blocks[1].push[0] == 0);            /* no rock beside it stayed */
     scree_frost_destroy(f);
   }
-  free_lattice(shards);
+  scree_shards_destroy(shards);
 }
 
 /* --- snapshots --------------------------------------------------------------------------------------------------------------- */
@@ -281,7 +281,7 @@ static void snapshots_come_back_exactly(void** state) {
     assert_int_equal(memory.live, held);
     scree_frost_destroy(f);
     assert_int_equal(memory.live, 0);
-    free_lattice(shards);
+    scree_shards_destroy(shards);
   }
 }
 
@@ -304,7 +304,7 @@ static void nothing_falls_where_all_is_core(void** state) {
   assert_true(stats.breaks > 20 && stats.breaks <= shards->view.interior_link_count);
   assert_false(stats.dry);
   scree_frost_destroy(f);
-  free_lattice(shards);
+  scree_shards_destroy(shards);
 }
 
 static void paths_end_where_nothing_takes_water(void** state) {
@@ -328,7 +328,7 @@ static void paths_end_where_nothing_takes_water(void** state) {
   assert_int_equal(scree_frost_run(f, 0, 10, NULL, NULL), SCREE_OK);
   assert_int_equal(stats_of(f).paths, 10);
   scree_frost_destroy(f);
-  free_lattice(shards);
+  scree_shards_destroy(shards);
 }
 
 static void rain_from_below_drains_where_it_lands(void** state) {
@@ -347,7 +347,7 @@ static void rain_from_below_drains_where_it_lands(void** state) {
   assert_int_equal(stats.breaks, 0);
   assert_true(stats.drained > 0.5 * stats.poured);
   scree_frost_destroy(f);
-  free_lattice(shards);
+  scree_shards_destroy(shards);
 }
 
 typedef struct watcher {
@@ -384,7 +384,7 @@ static void runs_stop_at_a_share_of_the_volume(void** state) {
   assert_int_equal(scree_frost_run(f, 1.5, 100, NULL, NULL), SCREE_ERROR_RANGE);
   assert_int_equal(scree_frost_run(f, NAN, 100, NULL, NULL), SCREE_ERROR_RANGE);
   scree_frost_destroy(f);
-  free_lattice(shards);
+  scree_shards_destroy(shards);
 }
 
 static void what_is_too_weak_to_stand_breaks_in_steps(void** state) {
@@ -405,7 +405,7 @@ static void what_is_too_weak_to_stand_breaks_in_steps(void** state) {
   assert_true(stats_of(f).overloaded > 0);
   assert_true(stats_of(f).breaks > stats_of(f).overloaded + stats_of(f).forced);
   scree_frost_destroy(f);
-  free_lattice(shards);
+  scree_shards_destroy(shards);
 }
 
 static void stability_is_looked_at_between_paths_by_its_interval(void** state) {
@@ -427,7 +427,7 @@ static void stability_is_looked_at_between_paths_by_its_interval(void** state) {
     scree_frost_destroy(f);
   }
   assert_true(digests[0] != digests[1]); /* the end of the call is too late for some */
-  free_lattice(shards);
+  scree_shards_destroy(shards);
 }
 
 /* --- resistances ------------------------------------------------------------------------------------------------------------- */
@@ -499,7 +499,7 @@ static void resistances_are_those_of_their_places(void** state) {
   assert_true(fabs(sum / v->link_count) < 0.05);
   assert_true(sqrt(square / v->link_count) > 0.05 && sqrt(square / v->link_count) < 0.3);
   scree_frost_destroy(f);
-  free_lattice(shards);
+  scree_shards_destroy(shards);
 }
 
 /* --- mistakes ---------------------------------------------------------------------------------------------------------------- */
@@ -571,7 +571,7 @@ static void bad_rules_are_told_by_name(void** state) {
   assert_null(other);
   scree_frost_destroy(NULL);
   scree_frost_destroy(f);
-  free_lattice(shards);
+  scree_shards_destroy(shards);
 }
 
 static void each_failed_allocation_is_told_and_nothing_leaks(void** state) {
@@ -609,11 +609,60 @@ static void each_failed_allocation_is_told_and_nothing_leaks(void** state) {
     whole = !memory.failed;
     if (whole) assert_true(n > 15);
   }
-  free_lattice(shards);
+  scree_shards_destroy(shards);
+}
+
+/* Sums of volumes are rounded as they are added up: a share has to be reached by the one that people are told. */
+static void a_run_ends_where_the_stats_say_that_the_share_is_reached(void** state) {
+  (void)state;
+  random_stream r = {11};
+  uint32_t below = 0;
+  for (uint32_t round = 0; round < ROUNDS(200, 40); ++round) {
+    scree_shards* shards = make_lattice((const uint32_t[3]){5, 4, 5}, 1 + round, NULL);
+    scree_frost_rules rules;
+    scree_frost_rules_default(&rules);
+    scree_frost* f = must_freeze(shards, &rules, NULL, round);
+    for (uint32_t k = 0; k < 20; ++k) scree_frost_set_shard(f, (uint32_t)(random_unit(&r) * 100), SCREE_SHARD_AIR);
+    const scree_frost_stats before = stats_of(f);
+    double share = before.volume / before.start_volume;
+    if (share * before.start_volume >= before.volume) share = nextafter(share, 0);
+    assert_int_equal(scree_frost_run(f, share, 20000, NULL, NULL), SCREE_OK);
+    const scree_frost_stats after = stats_of(f);
+    assert_true(after.volume <= share * after.start_volume || after.paths == before.paths + 20000 || after.dry);
+    below += after.volume <= share * after.start_volume;
+    scree_frost_destroy(f);
+    scree_shards_destroy(shards);
+  }
+  assert_true(below > 10);
+}
+
+static void weight_knows_only_the_direction_of_gravity(void** state) {
+  (void)state;
+  scree_shards* shards = make_lattice((const uint32_t[3]){4, 6, 4}, 5, NULL);
+  uint64_t digests[3];
+  uint64_t overloaded[3];
+  static const double lengths[3] = {1, 1e200, 1e-200};
+  for (int i = 0; i < 3; ++i) {
+    scree_frost_rules rules;
+    scree_frost_rules_default(&rules);
+    rules.gravity[1] = -lengths[i];
+    rules.strength = 2e5;
+    scree_frost* f = must_freeze(shards, &rules, NULL, 3);
+    assert_int_equal(scree_frost_step(f, 3000), SCREE_OK);
+    digests[i] = scree_frost_digest(f);
+    overloaded[i] = stats_of(f).overloaded;
+    scree_frost_destroy(f);
+  }
+  assert_true(overloaded[0] > 0);
+  assert_true(digests[1] == digests[0] && digests[2] == digests[0]);
+  assert_true(overloaded[1] == overloaded[0] && overloaded[2] == overloaded[0]);
+  scree_shards_destroy(shards);
 }
 
 int main(void) {
   const struct CMUnitTest tests[] = {
+      cmocka_unit_test(a_run_ends_where_the_stats_say_that_the_share_is_reached),
+      cmocka_unit_test(weight_knows_only_the_direction_of_gravity),
       cmocka_unit_test(of_two_parts_the_smaller_falls_unless_it_has_core),
       cmocka_unit_test(what_an_edit_leaves_hanging_falls),
       cmocka_unit_test(a_pocket_is_exterior_when_it_is_opened),

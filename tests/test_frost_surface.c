@@ -131,7 +131,7 @@ static void an_untouched_solid_gives_back_its_own_triangles(void** state) {
       assert_int_equal(v->material, SURFACE_SOLID);
     }
     surface_vertices_destroy(&made, NULL);
-    free_lattice(c.shards);
+    scree_shards_destroy(c.shards);
   }
 }
 
@@ -152,7 +152,7 @@ static void surfaces_are_closed_and_have_the_volume_of_their_shards(void** state
     check_places(&made.surface);
     surface_vertices_destroy(&made, NULL);
     free(inside);
-    free_lattice(c.shards);
+    scree_shards_destroy(c.shards);
   }
 }
 
@@ -169,7 +169,7 @@ static void triangles_far_from_a_cut_stay_whole(void** state) {
   assert_int_equal(made.surface.cut_triangles, 8);
   check_source(&c.shards->view, inside, &made.source);
   surface_vertices_destroy(&made, NULL);
-  free_lattice(c.shards);
+  scree_shards_destroy(c.shards);
 }
 
 static void uvs_of_the_solid_are_interpolated(void** state) {
@@ -199,7 +199,7 @@ static void uvs_of_the_solid_are_interpolated(void** state) {
   }
   surface_vertices_destroy(&made, NULL);
   free(inside);
-  free_lattice(c.shards);
+  scree_shards_destroy(c.shards);
 }
 
 static void cuts_are_flat_and_share_no_vertex_with_what_they_meet(void** state) {
@@ -235,7 +235,7 @@ static void cuts_are_flat_and_share_no_vertex_with_what_they_meet(void** state) 
   }
   surface_vertices_destroy(&made, NULL);
   free(inside);
-  free_lattice(shards);
+  scree_shards_destroy(shards);
 }
 
 /* Two squares that meet at an angle: the normals along the fold. */
@@ -281,7 +281,7 @@ static void openness_falls_into_pits_and_the_ground_darkens_the_foot(void** stat
   surface_vertices_destroy(&free_box, NULL);
   surface_vertices_destroy(&on_ground, NULL);
   surface_vertices_destroy(&pit, NULL);
-  free_lattice(shards);
+  scree_shards_destroy(shards);
 }
 
 /* --- polygons --------------------------------------------------------------------------------------------------------------- */
@@ -414,7 +414,7 @@ static void surfaces_repeat_to_the_bit(void** state) {
   if (digest != UINT64_C(0x40aebdb2e36622b4)) fail_msg("the digest is now 0x%016llx", (unsigned long long)digest);
   surface_vertices_destroy(&a, NULL);
   free(inside);
-  free_lattice(c.shards);
+  scree_shards_destroy(c.shards);
 }
 
 static void failed_allocations_leave_nothing_behind(void** state) {
@@ -435,7 +435,7 @@ static void failed_allocations_leave_nothing_behind(void** state) {
     assert_int_equal(f.live, 0);
     if (!f.failed) break;
   }
-  free_lattice(c.shards);
+  scree_shards_destroy(c.shards);
 }
 
 /* --- of a simulation --------------------------------------------------------------------------------------------------------- */
@@ -487,7 +487,7 @@ static void what_stands_and_every_block_have_a_surface(void** state) {
     if (!f.failed) break;
   }
   scree_frost_destroy(frost);
-  free_lattice(shards);
+  scree_shards_destroy(shards);
 }
 
 static void nothing_inside_has_no_surface(void** state) {
@@ -497,7 +497,7 @@ static void nothing_inside_has_no_surface(void** state) {
   surface_vertices made = must_make(&shards->view, inside, true);
   assert_int_equal(made.surface.vertex_count, 0);
   surface_vertices_destroy(&made, NULL);
-  free_lattice(shards);
+  scree_shards_destroy(shards);
 }
 
 int main(void) {

@@ -53,7 +53,7 @@ static void every_box_is_closed_and_has_its_volume(void** state) {
     sum += v->shards[s].volume;
   }
   assert_true(fabs(sum - v->volume) < 1e-9);
-  free_lattice(shards);
+  scree_shards_destroy(shards);
 }
 
 static void links_and_graphs_are_in_order_and_go_both_ways(void** state) {
@@ -79,7 +79,7 @@ static void links_and_graphs_are_in_order_and_go_both_ways(void** state) {
   /* Links within a box of unit boxes have four neighbours in each of two boxes. */
   for (uint32_t i = 0; i < v->link_count; ++i)
     assert_int_equal(v->neighbour_first[i + 1] - v->neighbour_first[i], i < v->interior_link_count ? 8 : 4);
-  free_lattice(shards);
+  scree_shards_destroy(shards);
 }
 
 static void the_solid_is_closed(void** state) {
@@ -100,7 +100,7 @@ static void the_solid_is_closed(void** state) {
       assert_true(there <= 1);
     }
   free(used);
-  free_lattice(shards);
+  scree_shards_destroy(shards);
 }
 
 int main(void) {

@@ -52,7 +52,7 @@ static scene make_scene(uint32_t x, uint32_t y, uint32_t z, uint64_t seed) {
 
 static void free_scene(scene* s) {
   scree_rubble_destroy(s->rubble);
-  free_lattice(s->shards);
+  scree_shards_destroy(s->shards);
   free(s->states);
   free(s->blocks);
   free(s->block_shards);
@@ -527,7 +527,7 @@ static void what_a_simulation_let_fall_lies_on_the_ground(void** unused) {
   scree_rubble_destroy(rubble);
   scree_rubble_destroy(NULL);
   scree_frost_destroy(frost);
-  free_lattice(shards);
+  scree_shards_destroy(shards);
 }
 
 int main(void) {

@@ -135,7 +135,7 @@ static void what_stands_of_boxes_is_a_sound_asset(void** state) {
     check_asset(asset, desc.lods, desc.steps_per_metre, volume_inside(&view, inside), 0.002);
     must_free(asset);
     free(inside);
-    free_lattice(shards);
+    scree_shards_destroy(shards);
   }
 }
 
@@ -173,7 +173,7 @@ static void groups_keep_edges_sharp(void** state) {
   assert_in_range(most, 2, 20);
   must_free(asset);
   free(inside);
-  free_lattice(shards);
+  scree_shards_destroy(shards);
 }
 
 static void errors_are_what_all_triangles_say(void** state) {
@@ -202,7 +202,7 @@ static void errors_are_what_all_triangles_say(void** state) {
   }
   must_free(asset);
   free(inside);
-  free_lattice(shards);
+  scree_shards_destroy(shards);
 }
 
 static void blocks_lie_as_they_are_turned(void** state) {
@@ -227,7 +227,7 @@ static void blocks_lie_as_they_are_turned(void** state) {
   assert_true(turned->hull_air < 0.01f);
   must_free(flat);
   must_free(turned);
-  free_lattice(shards);
+  scree_shards_destroy(shards);
 }
 
 static void parts_fit_closer_than_the_hull(void** state) {
@@ -245,7 +245,7 @@ static void parts_fit_closer_than_the_hull(void** state) {
   assert_in_range(asset->part_count, 3, 48);
   must_free(asset);
   free(inside);
-  free_lattice(shards);
+  scree_shards_destroy(shards);
 }
 
 static void what_does_not_fit_is_refused(void** state) {
@@ -257,10 +257,10 @@ static void what_does_not_fit_is_refused(void** state) {
   assert_int_equal(shard_asset_make(&desc, NULL, &asset), SCREE_ERROR_INVALID_ARGUMENT);
   inside[3] = 1;
   desc.steps_per_metre *= 16;
-  assert_int_equal(shard_asset_make(&desc, NULL, &asset), SCREE_ERROR_INVALID_ARGUMENT);
+  assert_int_equal(shard_asset_make(&desc, NULL, &asset), SCREE_ERROR_RANGE);
   desc.steps_per_metre = 0;
   assert_int_equal(shard_asset_make(&desc, NULL, &asset), SCREE_ERROR_INVALID_ARGUMENT);
-  free_lattice(shards);
+  scree_shards_destroy(shards);
 }
 
 static void assets_repeat_to_the_bit(void** state) {
@@ -281,7 +281,7 @@ static void assets_repeat_to_the_bit(void** state) {
   if (digest != UINT64_C(0xf0018273ad121234)) fail_msg("the digest is now 0x%016llx", (unsigned long long)digest);
   must_free(asset);
   free(inside);
-  free_lattice(shards);
+  scree_shards_destroy(shards);
 }
 
 static void failed_allocations_leave_nothing_behind(void** state) {
@@ -299,7 +299,7 @@ static void failed_allocations_leave_nothing_behind(void** state) {
     assert_int_equal(f.live, 0);
     if (!f.failed) break;
   }
-  free_lattice(shards);
+  scree_shards_destroy(shards);
 }
 
 /* Real ones: Voronoi shards of a sculpted mesh, a third of them gone. */

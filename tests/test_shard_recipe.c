@@ -364,6 +364,7 @@ static void numbers_that_did_not_come_from_json_are_checked_too(void** state) {
   REFUSED(recipe.rules.frost.stability_interval = 0, "stability.interval");
   REFUSED(recipe.state_count = 17, "states");
   REFUSED((recipe.state_count = 1, recipe.states[0].where = SCREE_SHARD_BEYOND), "states[0].direction");
+  REFUSED((recipe.phase_count = 1, recipe.phases[0].share = -1, recipe.phases[0].paths = 4000000000u), "phases[0].paths");
   REFUSED(recipe.phase_count = 17, "phases");
   REFUSED((recipe.phase_count = 1, recipe.phases[0].share = 2), "phases[0].share");
   REFUSED((recipe.phase_count = 1, recipe.phases[0].changes = SCREE_SHARD_WATER), "phases[0].water");

@@ -28,7 +28,7 @@ const uint KIND_STONE = 1u;
 const uint KIND_GROUND = 2u;
 const uint KIND_TERRAIN = 3u;
 const uint KIND_WATER = 4u;
-const uint KIND_MODEL = 5u; // a hoodoo, or an asset of somebody else's
+const uint KIND_MODEL = 5u; // a hoodoo, or an asset of somebody else's; cliffs are stone
 
 // The tags of a pixel. x: hash. y: level of detail in bits 0..3, wireframe in 4, kind in 8..11, logarithm of the cell size in
 // 16..31. z: row of the stone + 1. w: sRGB colour in three bytes, code of the corner cube in the fourth. Models: 1 in bit 12 of y

@@ -45,18 +45,18 @@ vec3 cliff_colour(vec3 base, float pixel) {
 
 void main() {
   vec3 colour = v_rock.rgb;
-  uint bits = 1u << 12;
-  float bend = 0.0;
+  uint bits = 1u << 12, last = 128u;
   if (look == 3) {
     colour = srgb(clamp(cliff_colour(tag_colour(v_tags), v_depth * eye.w), 0.0, 1.0));
     bits = 0u;
+    last = v_tags.w >> 24;
   } else if (look != 2) {
     colour = srgb(clamp(rock_colour(tag_colour(v_tags), v_depth * eye.w), 0.0, 1.0));
     bits = uint(clamp(v_rock.y, 0.0, 1.0) * 7.0 + 0.5) << 13;
-    bend = clamp(v_rock.w, -1.0, 1.0);
+    last = uint(clamp(v_rock.w, -1.0, 1.0) * 127.0 + 128.5);
   }
   uvec3 bytes = uvec3(clamp(colour, 0.0, 1.0) * 255.0 + 0.5);
   surface = vec4(normalize(v_normal), v_visibility);
-  tags = uvec4(v_tags.x, v_tags.y | bits | extra_tags, v_tags.z, bytes.r | bytes.g << 8 | bytes.b << 16 | uint(bend * 127.0 + 128.5) << 24);
+  tags = uvec4(v_tags.x, v_tags.y | bits | extra_tags, v_tags.z, bytes.r | bytes.g << 8 | bytes.b << 16 | last << 24);
   depth = v_depth;
 }

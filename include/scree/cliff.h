@@ -29,7 +29,7 @@ typedef struct scree_cliff_desc {
   uint64_t seed; /* of scree_scene_random */
 } scree_cliff_desc;
 
-/* Reads all placements of that time and copies hulls and places: 32 bytes a block. Immutable, may be shared between threads; ends
+/* Reads all placements of that time and copies hulls and places: 40 bytes a block. Immutable, may be shared between threads; ends
  * with scree_scatter_destroy. error: may be NULL. Returns SCREE_OK, INVALID_ARGUMENT, PACK_KIND, RANGE, CORRUPT (of the pack) or
  * OUT_OF_MEMORY. */
 SCREE_API scree_result scree_cliff_create(const scree_cliff_desc* desc, const scree_allocator* allocator, scree_scatter** out,

@@ -91,9 +91,9 @@ typedef struct scree_frost_rules {
   uint32_t stability_interval; /* breakages between checks, >= 1; each step call ends with one too */
 } scree_frost_rules;
 
-/* The paper's values: one rain straight down with a spread of 0.5, water 1, gravity -Y, resistance 0.5, absorption 0.1, 0.05 and
- * 0.25, damage 0.5, total absorption, break_life 0.4, break_chance 0.9; fall KEPT with fall_life 1; density 2600, strength 0,
- * compression 10, interval 64. */
+/* The paper's values, and ours where it has none: one rain straight down with a spread of 0.5, water 1, gravity -Y, resistance 0.5,
+ * absorption 0.1, 0.05 and 0.25, damage 0.5, total absorption, break_life 0.4, break_chance 0.9; fall KEPT with fall_life 1;
+ * density 2600, strength 0, compression 10, interval 64. */
 SCREE_API void scree_frost_rules_default(scree_frost_rules* out);
 
 /* What a shard is. */
@@ -155,7 +155,8 @@ typedef struct scree_frost_view {
 SCREE_API void scree_frost_get(const scree_frost* frost, scree_frost_view* out);
 SCREE_API uint64_t scree_frost_digest(const scree_frost* frost); /* of states, lives and exterior; equal for equal states */
 
-/* The last paths, for viewers: links in the order that water took. Returns the number of links; links, water: at most `capacity`.
+/* The last path, for viewers: its first 4096 links at most, in the order that water took. Returns the number of links; links,
+ * water: at most `capacity`.
  */
 SCREE_API uint32_t scree_frost_last_path(const scree_frost* frost, uint32_t* links, double* water, uint32_t capacity);
 

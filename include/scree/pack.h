@@ -13,8 +13,8 @@ typedef struct scree_pack scree_pack;
 
 /* A vertex of a mesh, 16 bytes, ready for a vertex buffer. */
 typedef struct scree_vertex {
-  int16_t position[3]; /* lattice steps relative to the home cell's centre, of a model to the middle of its ground; times cell_size
-                          / lattice_per_cell = metres */
+  int16_t position[3]; /* lattice steps relative to the home cell's centre, of a model to the middle of its ground, of a block of a
+                          cliff to its centroid; times cell_size / lattice_per_cell = metres */
   uint8_t occlusion;   /* ambient visibility, 255 = open sky, 0 = wholly hidden; linear */
   uint8_t material;    /* low 4 bits: 0 = rock, 1 = colluvium, 2 = a cut face, of cliffs only; high 4 bits: the bed, 0..15, see
                           scree_surface_vertex.layer */
@@ -178,7 +178,7 @@ typedef struct scree_model {
   float footprint;     /* what stands at the height of the ground stays within this distance of the origin */
   float height;        /* above the ground */
   float share;         /* of the volume of rock at the start that is left, 0..1 */
-  uint32_t steps;      /* of weathering since the start; of a cliff, paths of water */
+  uint32_t steps;      /* of weathering since the start; of a cliff, paths of water; of a block, when it fell */
   uint32_t part_count; /* convex parts, 1..255 */
 } scree_model;
 

@@ -52,8 +52,8 @@ SCREE_API void scree_scatter_destroy(scree_scatter* scatter);
 /* Models are numbered below this. */
 SCREE_API uint32_t scree_scatter_model_count(const scree_scatter* scatter);
 
-/* Width of a tile, metres: about ten times the spacing. The cube of an id is (tile x, floor(y / width), tile z), its local part the
- * number of the point in the tile. */
+/* Width of a tile, metres: about ten times the spacing; of a cliff narrower. The cube of an id is (tile x, floor(y / width), tile
+ * z), its local part the number of the point in the tile. */
 SCREE_API double scree_scatter_tile_width(const scree_scatter* scatter);
 
 /* What scree_scene_random says of an instance. It depends on tile and point, not on the ground. */

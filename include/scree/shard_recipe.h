@@ -190,7 +190,7 @@ typedef struct scree_shard_desc {
 /* The steps of a bake, for those who want shards and frost without a pack. */
 
 /* What is split, to be freed with scree_solid_free by the allocator of `desc`. Returns SCREE_OK, RANGE, INVALID_ARGUMENT (a mesh,
- * heights, a support or a hoodoo that was not given), NOT_CLOSED, CANCELLED or OUT_OF_MEMORY. */
+ * heights, a support or a hoodoo that was not given), NOT_CLOSED or OUT_OF_MEMORY. */
 SCREE_API scree_result scree_shard_solid_make(const scree_shard_desc* desc, scree_solid_memory* out, scree_error* error);
 
 /* The pattern of seeds by reference: `out` points into the recipe. */

@@ -122,7 +122,7 @@ typedef struct scree_shards_desc {
   scree_clip clip;
   double
       link_angle; /* exterior links: neighbouring triangles of a shard join where their normals differ by less, radians; 0 = 0.35 */
-  scree_jobs jobs;
+  scree_jobs jobs;           /* used where walls cut; clipping by mesh runs on the calling thread */
   scree_allocator allocator; /* all zero = malloc and free */
   /* As in scree_bake_desc. May be NULL. */
   bool (*progress)(void* user, const char* stage, double done);
@@ -132,7 +132,7 @@ typedef struct scree_shards_desc {
 /* Splits a solid. Every shard is checked: area vectors sum to 0, no volume is negative, volumes sum to the solid's; where a check
  * fails the seeds are moved by 1e-6 of their spacing and all is done again, up to 8 times.
  * Returns SCREE_OK, INVALID_ARGUMENT, RANGE, NOT_CLOSED, CANCELLED, OUT_OF_MEMORY, or UNSUPPORTED: the solid crosses itself, so
- * that no closed shards exist; the error says where. error: may be NULL. */
+ * that no closed shards exist; the error says where, if that is known. error: may be NULL. */
 SCREE_API scree_result scree_shards_create(const scree_shards_desc* desc, scree_shards** out, scree_error* error);
 SCREE_API void scree_shards_destroy(scree_shards* shards); /* NULL is allowed */
 
