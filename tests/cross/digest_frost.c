@@ -46,6 +46,6 @@ uint64_t digest_frost(void) {
   scree_shards *hill = make_hill(400, 20, 5, NULL), *boxes = make_lattice(size, 2, NULL);
   const uint64_t digest = hash_combine(frozen(hill, 0), frozen(boxes, 1e6));
   scree_shards_destroy(hill);
-  free_lattice(boxes);
+  scree_shards_destroy(boxes);
   return digest;
 }
