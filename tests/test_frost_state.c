@@ -633,7 +633,7 @@ static void a_run_ends_where_the_stats_say_that_the_share_is_reached(void** stat
     scree_frost_destroy(f);
     scree_shards_destroy(shards);
   }
-  assert_true(below > 10);
+  assert_true(below > ROUNDS(100, 40)); /* most of them are reached, so that the bound above is one */
 }
 
 static void weight_knows_only_the_direction_of_gravity(void** state) {
