@@ -120,7 +120,7 @@ static scree_result grow(shard_bake* bake, void** array, size_t* capacity, size_
 }
 
 static scree_result choose_lattice(shard_bake* bake, scree_error* error) {
-  shard_asset_origin(bake->weather.shards, bake->origin);
+  shard_asset_origin(bake->weather.shards, bake->recipe.rubble.ground, bake->origin);
   const double finest = shard_asset_lattice(bake->weather.shards, bake->origin);
   const uint32_t wanted = bake->recipe.lattice_per_metre;
   if (!(finest >= 1)) {

@@ -21,10 +21,10 @@ enum {
 #define LEAST_VOLUME 0.8
 #define MOST_VOLUME 1.2
 
-void shard_asset_origin(const scree_shards* shards, double origin[3]) {
+void shard_asset_origin(const scree_shards* shards, double ground, double origin[3]) {
   const scree_shards_view* v = &shards->view;
   origin[0] = 0.5 * (v->min[0] + v->max[0]);
-  origin[1] = v->min[1];
+  origin[1] = ground > v->max[1] ? v->max[1] : ground > v->min[1] ? ground : v->min[1];
   origin[2] = 0.5 * (v->min[2] + v->max[2]);
 }
 

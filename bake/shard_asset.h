@@ -58,8 +58,9 @@ typedef struct shard_asset_desc {
   scree_jobs jobs;        /* all zero = none */
 } shard_asset_desc;
 
-/* The middle of the solid's footprint at its lowest height. */
-void shard_asset_origin(const scree_shards* shards, double origin[3]);
+/* The middle of the solid's box, at the height of the level ground where that meets the solid, else at the end that is nearer to
+ * it. */
+void shard_asset_origin(const scree_shards* shards, double ground, double origin[3]);
 
 /* The largest whole number of steps a metre, a power of two where it is not below 1, on which everything fits; 0 if none does.
  * origin: as above. */

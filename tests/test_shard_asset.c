@@ -105,7 +105,7 @@ static double volume_inside(const scree_shards_view* view, const uint8_t* inside
 
 static shard_asset_desc desc_of(const scree_shards* shards, const uint8_t* inside, uint32_t lods) {
   shard_asset_desc desc = {.shards = shards, .inside = inside, .lods = lods};
-  shard_asset_origin(shards, desc.origin);
+  shard_asset_origin(shards, -1e6, desc.origin);
   desc.steps_per_metre = shard_asset_lattice(shards, desc.origin);
   return desc;
 }

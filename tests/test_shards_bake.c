@@ -133,6 +133,29 @@ static void a_pack_holds_times_and_blocks_as_the_recipe_says(void** state) {
   unbake(&it);
 }
 
+/* What reaches into the ground stays in it: the ground on which blocks lie is y = 0 of the pack. */
+static void blocks_lie_on_the_ground_at_y_0(void** state) {
+  (void)state;
+  static scree_shard_recipe recipe;
+  small(&recipe);
+  recipe.rubble.ground = 1;
+  baked it = bake(&recipe);
+  scree_asset asset;
+  assert_int_equal(scree_pack_get_asset(it.pack, 0, &asset), SCREE_OK);
+  assert_true(asset.bounds_min[1] == -1);
+  scree_cliff_time time;
+  assert_int_equal(scree_pack_get_time(it.pack, 2, &time), SCREE_OK);
+  uint32_t lying = 0;
+  for (uint32_t p = 0; p < time.placement_count; ++p) {
+    scree_block_placement placement;
+    assert_int_equal(scree_pack_get_placements(it.pack, time.first_placement + p, 1, &placement), SCREE_OK);
+    assert_int_equal(scree_pack_get_asset(it.pack, placement.asset, &asset), SCREE_OK);
+    lying += fabsf(placement.translation[1] + asset.bounds_min[1]) < 0.01f;
+  }
+  assert_true(lying > 3);
+  unbake(&it);
+}
+
 static void the_pack_does_not_depend_on_threads(void** state) {
   (void)state;
   static scree_shard_recipe recipe;
@@ -550,6 +573,7 @@ static void every_failing_allocation_is_survived(void** state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_pack_holds_times_and_blocks_as_the_recipe_says),
+      cmocka_unit_test(blocks_lie_on_the_ground_at_y_0),
       cmocka_unit_test(the_pack_does_not_depend_on_threads),
       cmocka_unit_test(what_falls_is_gone_where_the_recipe_says_so),
       cmocka_unit_test(blocks_too_thin_for_the_lattice_are_dust),
