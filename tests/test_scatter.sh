@@ -25,6 +25,7 @@ for recipe in "$ROOT"/content/recipes/*.json; do
   grep -qs "\"pack\": \"$name\"" "$ROOT"/content/scenes/*.json || continue
   small=(--set n=4 --set voxels_per_cell=6 --set lod_levels=2 --set proxies=false)
   grep -q '"kind": "hoodoo"' "$recipe" && small=(--set variants=1 --set lod_levels=2)
+  grep -q '"kind": "shards"' "$recipe" && small=(--set lod_levels=2)
   "$BIN/scree-bake" "$recipe" "${small[@]}" -q -o "packs/$name.scree"
 done
 
@@ -42,7 +43,8 @@ done
 
 # How many rocks a scene has at least. Of the paper's scenes: as many as there.
 declare -A least=([canyon]=25313 [zen_garden]=94658 [bories]=28032 [statue]=8000 [boulder_pile]=3000 [bunny]=6000
-  [dry_stone_wall]=2500 [scree_slope]=20000 [goblin_valley]=12000 [hoodoos]=20)
+  [dry_stone_wall]=2500 [scree_slope]=20000 [goblin_valley]=12000 [hoodoos]=20
+  [hill_cave]=30 [four_times]=40 [basalt_wall]=50 [tilted_slabs]=120 [frost_hoodoo]=100 [ridge]=100)
 
 # number FILE KEY: the first number of that key in a report.
 number() { sed -nE "s/.*\"$2\": ([0-9.]+).*/\1/p" "$1" | head -1; }
