@@ -48,6 +48,13 @@ uint32_t render_pack_size(float metres) {
   return steps <= 0 ? 0 : steps >= 65535 ? 65535 : (uint32_t)(steps + 0.5f);
 }
 
+/* How many times as coarse the pattern of a cliff's rock is as that of stones: the first asset is what stands at first, and its
+ * grain would be a fine weave where that is a mountain. */
+static float cliff_grain(const render_cached_source* slot) {
+  const float coarser = slot->assets[0].radius / 40;
+  return coarser > 1 ? coarser : 1;
+}
+
 bool render_list_choose(render_list* list, const render_view* view, render_cache* cache, const render_stone* stones, uint32_t count,
                         uint8_t* levels) {
   list->instance_count = 0; /* number of picks until the list is built */
@@ -128,11 +135,12 @@ bool render_list_build(render_list* list, const render_view* view, render_cache*
     memcpy(instance->place, stone->position, sizeof stone->position);
     instance->place[3] = stone->cell_size / slot->source.lattice_per_cell;
     const bool is_stone = slot->source.look == RENDER_LOOK_STONE || slot->source.look == RENDER_LOOK_CLIFF;
+    const float grain = slot->source.look == RENDER_LOOK_CLIFF ? cliff_grain(slot) : 1;
     const bool turned = stone->turn[0] != 0 || stone->turn[1] != 0;
     instance->turn[0] = stone->turn[0];
     instance->turn[1] = turned ? stone->turn[1] : 1;
     instance->tags[0] = stone->hash;
-    instance->tags[1] = (is_stone ? view->tags : view->model_tags) | lod | render_pack_size(stone->cell_size) << 16;
+    instance->tags[1] = (is_stone ? view->tags : view->model_tags) | lod | render_pack_size(stone->cell_size * grain) << 16;
     instance->tags[2] = index + 1;
     instance->tags[3] =
         stone->colour[0] | (uint32_t)stone->colour[1] << 8 | (uint32_t)stone->colour[2] << 16 | (uint32_t)stone->tile << 24;
