@@ -3,8 +3,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
+
 /* Neighbours cut before the walls: enough that few walls still reach the cell, which is then small. */
-enum { BEFORE_WALLS = 24 };
+enum { BEFORE_WALLS = 24, NEAR_BUCKETS = 64 };
 
 typedef struct near_seed {
   double distance2;
@@ -39,13 +43,13 @@ static void release_corners(voronoi_cell* cell) {
   scree_rt_release(cell->allocator, cell->y, n, sizeof *cell->y);
   scree_rt_release(cell->allocator, cell->z, n, sizeof *cell->z);
   scree_rt_release(cell->allocator, cell->removed, n, sizeof *cell->removed);
-  scree_rt_release(cell->allocator, cell->outside, n, sizeof *cell->outside);
+  scree_rt_release(cell->allocator, cell->outside, n / 64, sizeof *cell->outside);
 }
 
 /* All arrays of corners together: a new set is taken before the old one goes, so that a failure changes nothing. */
 static bool need_corners(voronoi_cell* cell, size_t count) {
   if (count <= cell->corner_capacity) return true;
-  const size_t n = count < 64 ? 128 : 2 * count;
+  const size_t n = count < 64 ? 128 : (2 * count + 63) / 64 * 64;
   voronoi_cell larger = *cell;
   larger.corner_capacity = (uint32_t)n;
   larger.positions = scree_rt_allocate(cell->allocator, n, sizeof *cell->positions);
@@ -55,7 +59,7 @@ static bool need_corners(voronoi_cell* cell, size_t count) {
   larger.y = scree_rt_allocate(cell->allocator, n, sizeof *cell->y);
   larger.z = scree_rt_allocate(cell->allocator, n, sizeof *cell->z);
   larger.removed = scree_rt_allocate(cell->allocator, n, sizeof *cell->removed);
-  larger.outside = scree_rt_allocate(cell->allocator, n, sizeof *cell->outside);
+  larger.outside = scree_rt_allocate(cell->allocator, n / 64, sizeof *cell->outside);
   if (larger.positions == NULL || larger.corners == NULL || larger.indices == NULL || larger.x == NULL || larger.y == NULL ||
       larger.z == NULL || larger.removed == NULL || larger.outside == NULL) {
     release_corners(&larger);
@@ -68,7 +72,7 @@ static bool need_corners(voronoi_cell* cell, size_t count) {
     memcpy(larger.y, cell->y, used * sizeof *cell->y);
     memcpy(larger.z, cell->z, used * sizeof *cell->z);
     memcpy(larger.removed, cell->removed, used * sizeof *cell->removed);
-    memcpy(larger.outside, cell->outside, used * sizeof *cell->outside);
+    memcpy(larger.outside, cell->outside, used / 64 * sizeof *cell->outside);
   }
   release_corners(cell);
   *cell = larger;
@@ -175,24 +179,52 @@ static void move_last(voronoi_cell* cell, uint32_t hole) {
   }
 }
 
+/* Marks the corners beyond a plane, 64 to a word of `outside`. Returns whether there are any. */
+static bool mark_outside(voronoi_cell* cell, const voronoi_plane* plane) {
+  const double nx = plane->normal[0], ny = plane->normal[1], nz = plane->normal[2], d = plane->cut;
+  const double *x = cell->x, *y = cell->y, *z = cell->z;
+  const uint32_t count = cell->corner_count;
+  uint64_t any = 0;
+  for (uint32_t first = 0; first < count; first += 64) {
+    const uint32_t end = count - first < 64 ? count : first + 64;
+    uint64_t word = 0;
+    uint32_t i = first;
+#ifdef __SSE2__
+    const __m128d nx2 = _mm_set1_pd(nx), ny2 = _mm_set1_pd(ny), nz2 = _mm_set1_pd(nz), d2 = _mm_set1_pd(d);
+    for (; i + 2 <= end; i += 2) {
+      const __m128d xy = _mm_add_pd(_mm_mul_pd(nx2, _mm_loadu_pd(x + i)), _mm_mul_pd(ny2, _mm_loadu_pd(y + i)));
+      const __m128d along = _mm_add_pd(xy, _mm_mul_pd(nz2, _mm_loadu_pd(z + i)));
+      word |= (uint64_t)(uint32_t)_mm_movemask_pd(_mm_cmpgt_pd(along, d2)) << (i - first);
+    }
+#endif
+    for (; i < end; ++i) word |= (uint64_t)(nx * x[i] + ny * y[i] + nz * z[i] > d) << (i - first);
+    cell->outside[first / 64] = word;
+    any |= word;
+  }
+  return any != 0;
+}
+
+static bool is_outside(const voronoi_cell* cell, uint32_t corner) {
+  return cell->outside[corner / 64] >> (corner % 64) & 1;
+}
+
+static double corner_radius2(const voronoi_cell* cell, uint32_t i) {
+  return cell->x[i] * cell->x[i] + cell->y[i] * cell->y[i] + cell->z[i] * cell->z[i];
+}
+
 /* Cuts off what lies beyond a plane. */
 static scree_result cut(voronoi_cell* cell, const voronoi_plane* plane) {
-  const double nx = plane->normal[0], ny = plane->normal[1], nz = plane->normal[2], d = plane->cut;
+  if (!mark_outside(cell, plane)) return SCREE_OK;
+  const double d = plane->cut;
   const uint32_t count = cell->corner_count;
-  const double* restrict x = cell->x, * restrict y = cell->y, * restrict z = cell->z;
-  uint64_t* restrict outside = cell->outside;
-  uint64_t any = 0;
-  for (size_t i = 0; i < count; ++i) {
-    const uint64_t out = nx * x[i] + ny * y[i] + nz * z[i] > d;
-    outside[i] = out;
-    any |= out;
-  }
-  if (!any) return SCREE_OK;
   uint32_t removed = 0;
-  for (uint32_t i = 0; i < count; ++i) {
-    cell->removed[removed] = i;
-    removed += (uint32_t)cell->outside[i];
-  }
+  bool lost_farthest = false;
+  for (uint32_t first = 0; first < count; first += 64)
+    for (uint64_t word = cell->outside[first / 64]; word != 0; word &= word - 1) {
+      const uint32_t i = first + (uint32_t)__builtin_ctzll(word);
+      cell->removed[removed++] = i;
+      lost_farthest = lost_farthest || corner_radius2(cell, i) == cell->radius2;
+    }
   if (removed == count) {
     cell->corner_count = 0;
     return SCREE_OK;
@@ -207,7 +239,7 @@ static scree_result cut(voronoi_cell* cell, const voronoi_plane* plane) {
   for (uint32_t k = 0; k < removed; ++k) {
     const voronoi_corner* corner = cell->corners + cell->removed[k];
     for (int side = 0; side < 3; ++side) {
-      if (cell->outside[corner->corners[side]]) continue;
+      if (is_outside(cell, corner->corners[side])) continue;
       const uint32_t a = corner->planes[side], b = corner->planes[side == 2 ? 0 : side + 1];
       if (edge_count == removed + 2 || cell->marks[2 * (size_t)a] == stamp) return SCREE_ERROR_UNSUPPORTED;
       cell->marks[2 * (size_t)a] = stamp;
@@ -220,6 +252,7 @@ static scree_result cut(voronoi_cell* cell, const voronoi_plane* plane) {
   const uint32_t added = cell->plane_count++;
   cell->planes[added] = *plane;
   uint32_t at = 0, before = UINT32_MAX, first = UINT32_MAX;
+  double added_radius2 = 0;
   for (uint32_t k = 0; k < edge_count; ++k) {
     const hole_edge edge = edges[at];
     const uint32_t slot = k < removed ? cell->removed[k] : count + k - removed;
@@ -229,6 +262,8 @@ static scree_result cut(voronoi_cell* cell, const voronoi_plane* plane) {
     cell->x[slot] = position[0];
     cell->y[slot] = position[1];
     cell->z[slot] = position[2];
+    const double r2 = corner_radius2(cell, slot);
+    added_radius2 = r2 > added_radius2 ? r2 : added_radius2;
     voronoi_corner* corner = cell->corners + slot;
     corner->planes[0] = edge.a;
     corner->planes[1] = edge.b;
@@ -251,7 +286,10 @@ static scree_result cut(voronoi_cell* cell, const voronoi_plane* plane) {
   cell->corners[first].corners[2] = before;
   cell->corner_count = edge_count > removed ? count + edge_count - removed : count;
   for (uint32_t k = removed; k-- > edge_count;) move_last(cell, cell->removed[k]);
-  measure_radius(cell);
+  if (lost_farthest)
+    measure_radius(cell);
+  else if (added_radius2 > cell->radius2)
+    cell->radius2 = added_radius2;
   return SCREE_OK;
 }
 
@@ -300,35 +338,46 @@ static void sort_few(near_seed* seeds, size_t count) {
   }
 }
 
-/* Rising by distance: into boxes of equal width first, which leaves little to do. sorted: room for as many. */
-static void sort_near(near_seed* seeds, near_seed* sorted, size_t count) {
-  enum { BOXES = 64 };
-  if (count > 16) {
-    double most = 0;
-    for (size_t i = 0; i < count; ++i) most = seeds[i].distance2 > most ? seeds[i].distance2 : most;
-    const double scale = most > 1e-200 ? (BOXES - 1) / most : 0; /* finite */
-    uint32_t first[BOXES + 1] = {0}, at = 0;
-    for (size_t i = 0; i < count; ++i) ++first[(uint32_t)(seeds[i].distance2 * scale)];
-    for (int box = 0; box <= BOXES; ++box) {
-      const uint32_t in = first[box];
-      first[box] = at;
-      at += in;
-    }
-    for (size_t i = 0; i < count; ++i) sorted[first[(uint32_t)(seeds[i].distance2 * scale)]++] = seeds[i];
-    /* A box that holds very many is sorted by itself: seeds all as far away as each other. */
-    for (size_t from = 0; from < count;) {
-      size_t end = from + 1;
-      const uint32_t box = (uint32_t)(sorted[from].distance2 * scale);
-      while (end < count && (uint32_t)(sorted[end].distance2 * scale) == box) ++end;
-      if (end - from > 64)
-        qsort(sorted + from, end - from, sizeof *sorted, by_distance);
-      else
-        sort_few(sorted + from, end - from);
-      from = end;
-    }
-    memcpy(seeds, sorted, count * sizeof *seeds);
-  } else
-    sort_few(seeds, count);
+/* Seeds that may cut a cell, in buckets by distance: only those that are asked for are sorted. */
+typedef struct near_queue {
+  near_seed* seeds;
+  size_t count, sorted; /* the first `sorted` are in order */
+  uint32_t ends[NEAR_BUCKETS], bucket;
+} near_queue;
+
+/* spare: room for as many; the queue's seeds are there in the end. */
+static void queue_start(near_queue* queue, const near_seed* seeds, near_seed* spare, size_t count) {
+  double most = 0;
+  for (size_t i = 0; i < count; ++i) most = seeds[i].distance2 > most ? seeds[i].distance2 : most;
+  const double scale = most > 1e-200 ? (NEAR_BUCKETS - 1) / most : 0; /* finite */
+  uint32_t* ends = queue->ends;
+  memset(ends, 0, sizeof queue->ends);
+  for (size_t i = 0; i < count; ++i) ++ends[(uint32_t)(seeds[i].distance2 * scale)];
+  uint32_t at = 0;
+  for (int k = 0; k < NEAR_BUCKETS; ++k) {
+    const uint32_t in = ends[k];
+    ends[k] = at;
+    at += in;
+  }
+  for (size_t i = 0; i < count; ++i) spare[ends[(uint32_t)(seeds[i].distance2 * scale)]++] = seeds[i];
+  queue->seeds = spare;
+  queue->count = count;
+  queue->sorted = 0;
+  queue->bucket = 0;
+}
+
+/* Sorts on until the seed at `index` < count is in its place. */
+static const near_seed* queue_at(near_queue* queue, size_t index) {
+  while (index >= queue->sorted) {
+    near_seed* from = queue->seeds + queue->sorted;
+    const size_t count = queue->ends[queue->bucket++] - queue->sorted;
+    if (count > 64) /* seeds all as far away as each other */
+      qsort(from, count, sizeof *from, by_distance);
+    else
+      sort_few(from, count);
+    queue->sorted += count;
+  }
+  return queue->seeds + index;
 }
 
 static scree_result cut_by_seed(voronoi_cell* cell, const voronoi_grid* grid, const near_seed* near) {
@@ -386,8 +435,9 @@ static bool gather(voronoi_cell* cell, const voronoi_grid* grid, const int centr
           const double* point = grid->points + 3 * (size_t)i;
           const double dx = point[0] - cell->origin[0], dy = point[1] - cell->origin[1], dz = point[2] - cell->origin[2];
           const double d2 = dx * dx + dy * dy + dz * dz;
-          if (d2 > reach2 || grid->order[i] == cell->seed) continue;
-          near[(*count)++] = (near_seed){d2, i, grid->order[i]};
+          const uint32_t seed = grid->order[i];
+          near[*count] = (near_seed){d2, i, seed}; /* overwritten unless it counts */
+          *count += (size_t)(!(d2 > reach2) & (seed != cell->seed));
         }
       }
     }
@@ -412,10 +462,11 @@ static double beyond_ring(const voronoi_cell* cell, const voronoi_grid* grid, co
 }
 
 /* Cuts by near seeds, nearest first, until none reaches the cell any more. */
-static scree_result cut_by_near(voronoi_cell* cell, const voronoi_grid* grid, size_t from, size_t to) {
-  const near_seed* near = cell->near;
-  for (size_t i = from; i < to && cell->corner_count > 0 && near[i].distance2 <= 4 * cell->radius2; ++i) {
-    const scree_result result = cut_by_seed(cell, grid, near + i);
+static scree_result cut_by_near(voronoi_cell* cell, const voronoi_grid* grid, near_queue* queue, size_t from, size_t to) {
+  for (size_t i = from; i < to && cell->corner_count > 0; ++i) {
+    const near_seed* near = queue_at(queue, i);
+    if (!(near->distance2 <= 4 * cell->radius2)) break;
+    const scree_result result = cut_by_seed(cell, grid, near);
     if (result != SCREE_OK) return result;
   }
   return SCREE_OK;
@@ -428,14 +479,15 @@ static scree_result cut_all(voronoi_cell* cell, const voronoi_grid* grid, const 
   for (int ring = 1;; ++ring) {
     size_t count, done = 0;
     if (!gather(cell, grid, centre, ring, &count)) return SCREE_ERROR_OUT_OF_MEMORY;
-    if (count > 0) sort_near(cell->near, (near_seed*)cell->near + cell->near_capacity, count);
+    near_queue queue = {0};
+    if (count > 0) queue_start(&queue, cell->near, (near_seed*)cell->near + cell->near_capacity, count);
     scree_result result = SCREE_OK;
     if (ring == 1) {
       done = count < BEFORE_WALLS ? count : BEFORE_WALLS;
-      result = cut_by_near(cell, grid, 0, done);
+      result = cut_by_near(cell, grid, &queue, 0, done);
       if (result == SCREE_OK) result = cut_by_walls(cell, bounds);
     }
-    if (result == SCREE_OK) result = cut_by_near(cell, grid, done, count);
+    if (result == SCREE_OK) result = cut_by_near(cell, grid, &queue, done, count);
     if (result != SCREE_OK || cell->corner_count == 0) return result;
     const double beyond2 = beyond_ring(cell, grid, centre, ring);
     if (beyond2 < 0 || beyond2 > 4 * cell->radius2 * (1 + 1e-9)) return SCREE_OK;
@@ -462,6 +514,7 @@ static bool solve_positions(voronoi_cell* cell) {
 
 static bool list_faces(voronoi_cell* cell) {
   const uint32_t stamp = ++cell->stamp;
+  uint64_t* keys = (void*)cell->x; /* which positions took the place of: neighbour << 32 | plane of each face, rising */
   cell->face_count = 0;
   cell->index_count = 0;
   for (uint32_t i = 0; i < cell->corner_count; ++i)
@@ -470,14 +523,15 @@ static bool list_faces(voronoi_cell* cell) {
       if (cell->marks[2 * (size_t)plane] == stamp) continue;
       cell->marks[2 * (size_t)plane] = stamp;
       cell->marks[2 * (size_t)plane + 1] = i;
-      const voronoi_face face = {.neighbour = cell->planes[plane].neighbour, .plane = plane};
+      if (cell->face_count == cell->corner_count) return false; /* a closed cell has half as many and two */
+      const uint64_t key = (uint64_t)cell->planes[plane].neighbour << 32 | plane;
       uint32_t at = cell->face_count++;
-      for (; at > 0 && cell->faces[at - 1].neighbour > face.neighbour; --at) cell->faces[at] = cell->faces[at - 1];
-      cell->faces[at] = face;
+      for (; at > 0 && keys[at - 1] > key; --at) keys[at] = keys[at - 1];
+      keys[at] = key;
     }
   for (uint32_t k = 0; k < cell->face_count; ++k) {
     voronoi_face* face = cell->faces + k;
-    face->first_index = cell->index_count;
+    *face = (voronoi_face){.neighbour = (uint32_t)(keys[k] >> 32), .plane = (uint32_t)keys[k], .first_index = cell->index_count};
     const uint32_t first = cell->marks[2 * (size_t)face->plane + 1];
     uint32_t at = first;
     do {

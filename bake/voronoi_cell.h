@@ -90,7 +90,7 @@ typedef struct voronoi_cell {
   void *near, *edges;
   double *x, *y, *z;
   uint32_t *removed, *marks;
-  uint64_t* outside; /* as wide as the positions, for compilers that do several at once */
+  uint64_t* outside; /* a bit a corner */
   uint32_t stamp;
 } voronoi_cell;
 
