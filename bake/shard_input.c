@@ -144,8 +144,15 @@ static scree_result make_mesh(const scree_shard_input* input, const scree_solid*
   memcpy(solid_indices(&moved), mesh->indices, (size_t)3 * mesh->triangle_count * sizeof(uint32_t));
   if (mesh->uvs != NULL) memcpy(solid_uvs(&moved), mesh->uvs, (size_t)6 * mesh->triangle_count * sizeof(float));
   if (input->resolution == 0) {
-    *out = moved;
-    return SCREE_OK;
+    scree_error fault = {{0}};
+    result = scree_solid_check(&moved.solid, allocator, &fault);
+    if (result == SCREE_OK) {
+      *out = moved;
+      return SCREE_OK;
+    }
+    scree_solid_free(allocator, &moved);
+    recipe_say(error, "%.200s%s%.280s", input->file, input->file[0] != '\0' ? ": " : "", fault.message);
+    return result == SCREE_ERROR_UNSUPPORTED ? SCREE_ERROR_INVALID_ARGUMENT : result; /* of this solid, not by this build */
   }
   result = scree_solid_remesh(&moved.solid, input->resolution, allocator, out, error);
   scree_solid_free(allocator, &moved);

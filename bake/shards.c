@@ -6,6 +6,7 @@
 #include "lattice.h"
 #include "shard_space.h"
 #include "shards_internal.h"
+#include "solid_internal.h"
 
 enum { MOST_ATTEMPTS = 8 };
 
@@ -22,7 +23,7 @@ static scree_result tell(scree_error* error, scree_result result, const char* me
 
 static scree_result check_desc(const scree_shards_desc* desc, const scree_allocator* allocator, shard_space* space,
                                scree_error* error) {
-  const scree_result result = scree_solid_check(&desc->solid, allocator, error);
+  const scree_result result = solid_check_closed(&desc->solid, allocator, error);
   if (result != SCREE_OK) return result;
   if (desc->seeds == NULL || desc->seed_count == 0) return tell(error, SCREE_ERROR_INVALID_ARGUMENT, "no seeds are given");
   if (desc->seed_count > MOST) return tell(error, SCREE_ERROR_RANGE, "more than 1,000,000 seeds are given");
@@ -141,7 +142,6 @@ static scree_result attempt_shards(const scree_shards_desc* desc, const shard_in
   shard_pieces pieces;
   scree_result result = desc->clip == SCREE_CLIP_WALLS ? shard_walls_cut(input, &pieces) : shard_clip_cut(input, &pieces);
   if (result != SCREE_OK) {
-    if (result == SCREE_ERROR_UNSUPPORTED) tell(error, result, "cells do not fit together: the solid crosses itself");
     return result;
   }
   *left *= 0.3;
@@ -211,6 +211,8 @@ scree_result scree_shards_create(const scree_shards_desc* desc, scree_shards** o
   scree_rt_release(&allocator, moved, seeds, 3 * sizeof *moved);
   if (result == SCREE_ERROR_OUT_OF_MEMORY) return tell(error, result, "out of memory");
   if (result == SCREE_ERROR_CANCELLED) return tell(error, result, "cancelled");
+  if (result == SCREE_ERROR_UNSUPPORTED && solid_check_crossings(&desc->solid, &allocator, error) != SCREE_ERROR_UNSUPPORTED)
+    return tell(error, result, "cells do not fit together: the solid crosses itself along edges, or seeds are too near to it");
   if (result == SCREE_OK && told_to_stop(desc, 0)) {
     scree_shards_destroy(*out);
     *out = NULL;

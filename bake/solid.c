@@ -4,6 +4,7 @@
 
 #include "edge_table.h"
 #include "recipe_text.h"
+#include "solid_crossings.h"
 #include "solid_internal.h"
 
 enum { TERRAIN_TILE = 16 }; /* samples a side of one fan of a terrain's base */
@@ -95,7 +96,7 @@ static scree_result check_edges(const scree_solid* solid, const edge_table* tabl
   return SCREE_OK;
 }
 
-scree_result scree_solid_check(const scree_solid* solid, const scree_allocator* allocator, scree_error* error) {
+scree_result solid_check_closed(const scree_solid* solid, const scree_allocator* allocator, scree_error* error) {
   const scree_result numbers = solid_check_numbers(solid, error);
   if (numbers != SCREE_OK) return numbers;
   const scree_allocator memory = scree_rt_allocator_or_default(allocator);
@@ -116,6 +117,24 @@ scree_result scree_solid_check(const scree_solid* solid, const scree_allocator* 
   recipe_say(error, volume < 0 ? "solid is inside out: its triangles must run counter-clockwise seen from outside"
                                : "solid encloses no volume");
   return SCREE_ERROR_INVALID_ARGUMENT;
+}
+
+scree_result solid_check_crossings(const scree_solid* solid, const scree_allocator* allocator, scree_error* error) {
+  solid_crossing crossing;
+  const scree_result result = solid_find_crossing(solid->positions, solid->indices, solid->triangle_count, allocator, &crossing);
+  if (result != SCREE_OK) {
+    recipe_say(error, "solid: out of memory");
+    return result;
+  }
+  if (crossing.triangles[0] == SCREE_NO_CROSSING) return SCREE_OK;
+  recipe_say(error, "solid crosses itself: triangles %u and %u go through each other at (%g, %g, %g); part them, or mesh it anew",
+             crossing.triangles[0], crossing.triangles[1], crossing.place[0], crossing.place[1], crossing.place[2]);
+  return SCREE_ERROR_UNSUPPORTED;
+}
+
+scree_result scree_solid_check(const scree_solid* solid, const scree_allocator* allocator, scree_error* error) {
+  const scree_result result = solid_check_closed(solid, allocator, error);
+  return result == SCREE_OK ? solid_check_crossings(solid, allocator, error) : result;
 }
 
 /* --- memory ----------------------------------------------------------------------------------------------------------------- */

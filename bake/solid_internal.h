@@ -13,6 +13,10 @@
  * INVALID_ARGUMENT or RANGE. */
 scree_result solid_check_numbers(const scree_solid* solid, scree_error* error);
 
+/* scree_solid_check in two halves: all but crossings, and these, of a solid that passed the first. */
+scree_result solid_check_closed(const scree_solid* solid, const scree_allocator* allocator, scree_error* error);
+scree_result solid_check_crossings(const scree_solid* solid, const scree_allocator* allocator, scree_error* error);
+
 /* Six times the volume, measured from the middle of the box so that far away meshes keep their digits. */
 double solid_volume6(const scree_solid* solid);
 

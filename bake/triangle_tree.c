@@ -234,3 +234,39 @@ double triangle_tree_distance2(const triangle_tree* tree, const double point[3])
   }
   return least;
 }
+
+/* --- Pairs. --- */
+
+static bool boxes_meet(const tree_node* a, const tree_node* b) {
+  for (uint32_t k = 0; k < 3; ++k)
+    if (a->min[k] > b->max[k] || b->min[k] > a->max[k]) return false;
+  return true;
+}
+
+void triangle_tree_pairs(const triangle_tree* tree, void (*visit)(void* user, const tree_node* one, const tree_node* other),
+                         void* user) {
+  if (tree->triangle_count == 0) return;
+  struct {
+    uint32_t one, other;
+  } stack[4 * DEPTH]; /* each step goes one level down on one side or on both, and leaves two pairs behind at most */
+  uint32_t held = 0;
+  stack[held].one = 0, stack[held++].other = 0;
+  while (held > 0) {
+    const uint32_t one = stack[--held].one, other = stack[held].other;
+    const tree_node *a = &tree->nodes[one], *b = &tree->nodes[other];
+    if (!boxes_meet(a, b)) continue;
+    if (a->count > 0 && b->count > 0) {
+      visit(user, a, b);
+    } else if (one == other) {
+      stack[held].one = a->first, stack[held++].other = a->first + 1;
+      stack[held].one = a->first + 1, stack[held++].other = a->first + 1;
+      stack[held].one = a->first, stack[held++].other = a->first;
+    } else if (b->count > 0 || (a->count == 0 && one < other)) { /* the lower number is nearer to the root */
+      stack[held].one = a->first + 1, stack[held++].other = other;
+      stack[held].one = a->first, stack[held++].other = other;
+    } else {
+      stack[held].one = one, stack[held++].other = b->first + 1;
+      stack[held].one = one, stack[held++].other = b->first;
+    }
+  }
+}

@@ -32,6 +32,10 @@ bool triangle_tree_meets(const triangle_tree* tree, const double start[3], const
 /* Squared distance to the nearest triangle; INFINITY without any. */
 double triangle_tree_distance2(const triangle_tree* tree, const double point[3]);
 
+/* Calls `visit` once for every two leaves whose boxes meet, a leaf and itself included. */
+void triangle_tree_pairs(const triangle_tree* tree, void (*visit)(void* user, const tree_node* one, const tree_node* other),
+                         void* user);
+
 /* Squared distance from p to triangle abc. */
 double distance2_to_triangle(const double p[3], const double a[3], const double b[3], const double c[3]);
 

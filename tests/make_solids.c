@@ -111,8 +111,8 @@ void solid_add(solid_mesh* to, const solid_mesh* more, const double move[3], dou
   const solid_mesh both = {must((size_t)to->vertex_count + more->vertex_count, 3 * sizeof(double)),
                            must((size_t)to->triangle_count + more->triangle_count, 3 * sizeof(uint32_t)),
                            to->vertex_count + more->vertex_count, to->triangle_count + more->triangle_count};
-  memcpy(both.positions, to->positions, (size_t)to->vertex_count * 3 * sizeof(double));
-  memcpy(both.indices, to->indices, (size_t)to->triangle_count * 3 * sizeof(uint32_t));
+  if (to->triangle_count > 0) memcpy(both.positions, to->positions, (size_t)to->vertex_count * 3 * sizeof(double));
+  if (to->triangle_count > 0) memcpy(both.indices, to->indices, (size_t)to->triangle_count * 3 * sizeof(uint32_t));
   for (size_t k = 0; k < 3 * (size_t)more->vertex_count; ++k)
     both.positions[3 * (size_t)to->vertex_count + k] = move[k % 3] + scale * more->positions[k];
   for (size_t k = 0; k < 3 * (size_t)more->triangle_count; ++k) {

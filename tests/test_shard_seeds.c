@@ -12,7 +12,7 @@
 
 #include "failing_allocator.h"
 #include "lattice.h"
-#include "make_solid.h"
+#include "make_solids.h"
 #include "one_line.h"
 #include "seed_mask.h"
 #include "shard_space.h"

@@ -14,7 +14,6 @@
 #include "allocator.h"
 #include "failing_allocator.h"
 #include "lattice.h"
-#include "make_solid.h"
 #include "make_solids.h"
 #include "must_create.h"
 #include "one_line.h"

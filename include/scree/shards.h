@@ -37,9 +37,11 @@ typedef struct scree_solid_memory {
   size_t size;
 } scree_solid_memory;
 
-/* Says whether a solid can be split. error: may be NULL; names the edge and its place. Returns SCREE_OK, INVALID_ARGUMENT (nothing,
- * an index out of range, inside out), RANGE (not finite, beyond 1e6), NOT_CLOSED (a border, or an edge used twice in one
- * direction: says between which places) or OUT_OF_MEMORY. */
+/* Says whether a solid can be split. error: may be NULL; names the edge or the triangles, and the place. Returns SCREE_OK,
+ * INVALID_ARGUMENT (nothing, an index out of range, inside out), RANGE (not finite, beyond 1e6), NOT_CLOSED (a border, or an edge
+ * used twice in one direction: says between which places), UNSUPPORTED (two triangles go through each other, or lie on each other
+ * and look the same way: the two of lowest numbers, and where) or OUT_OF_MEMORY. Triangles may touch: in points, along edges, and
+ * face to face; surfaces that go through each other along edges alone are not told from these. */
 SCREE_API scree_result scree_solid_check(const scree_solid* solid, const scree_allocator* allocator, scree_error* error);
 
 /* A terrain closed by a skirt and a base: heights[width * depth], x fastest then z, `spacing` apart, centred on x = z = 0, down to
@@ -132,7 +134,8 @@ typedef struct scree_shards_desc {
 /* Splits a solid. Every shard is checked: area vectors sum to 0, no volume is negative, volumes sum to the solid's; where a check
  * fails the seeds are moved by 1e-6 of their spacing and all is done again, up to 8 times.
  * Returns SCREE_OK, INVALID_ARGUMENT, RANGE, NOT_CLOSED, CANCELLED, OUT_OF_MEMORY, or UNSUPPORTED: the solid crosses itself, so
- * that no closed shards exist; the error says where, if that is known. error: may be NULL. */
+ * that no closed shards exist; the error says where. error: may be NULL. Crossings are looked for only where cells do not fit
+ * together, for looking takes about as long as cutting; few seeds can miss one: scree_solid_check does not. */
 SCREE_API scree_result scree_shards_create(const scree_shards_desc* desc, scree_shards** out, scree_error* error);
 SCREE_API void scree_shards_destroy(scree_shards* shards); /* NULL is allowed */
 
