@@ -19,7 +19,7 @@ typedef struct convex_solid {
 } convex_solid;
 
 /* A box from 0 to `size`; planes are not set. */
-static inline void make_box(convex_solid* out, const double size[3]) {
+static inline void make_convex_box(convex_solid* out, const double size[3]) {
   static const uint32_t faces[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
   for (uint32_t i = 0; i < 8; ++i)
     for (uint32_t axis = 0; axis < 3; ++axis) out->positions[3 * i + axis] = (i >> axis & 1) ? size[axis] : 0;

@@ -111,7 +111,7 @@ static void cells_of_a_box_are_those_of_voro(void** state) {
   for (size_t i = 0; i < sizeof counts / sizeof *counts; ++i)
     for (uint64_t k = 0; k < 3; ++k) {
       const double size[3] = {k == 1 ? 7 : 1, 1, k == 2 ? 0.1 : 1};
-      make_box(&box, size);
+      make_convex_box(&box, size);
       hold_against_voro(&box, false, counts[i], 100 * i + k);
     }
 #else
@@ -263,7 +263,7 @@ static void shards_keep_their_promises(void** state) {
   (void)state;
   static convex_solid solid;
   for (uint32_t k = 0; k < 6; ++k) {
-    make_box(&solid, UNIT);
+    make_convex_box(&solid, UNIT);
     if (k % 2 == 1) make_hill(&solid);
     double* seeds = seeds_in(k, &solid, k % 2 == 1, 20 + 100 * k);
     scree_shards_desc desc = desc_of(&solid, seeds, 20 + 100 * k);
@@ -305,7 +305,7 @@ static void stretches_of_surface_that_turn_little_are_one_link(void** state) {
 static void a_regular_grid_of_seeds_works(void** state) {
   (void)state;
   static convex_solid box;
-  make_box(&box, UNIT);
+  make_convex_box(&box, UNIT);
   double seeds[3 * 125];
   for (uint32_t i = 0; i < 125; ++i) {
     seeds[3 * i] = (i % 5 + 0.5) / 5;
@@ -326,7 +326,7 @@ static void a_regular_grid_of_seeds_works(void** state) {
 static void seeds_in_one_place_are_moved_apart(void** state) {
   (void)state;
   static convex_solid box;
-  make_box(&box, UNIT);
+  make_convex_box(&box, UNIT);
   double* seeds = seeds_in(5, &box, false, 50);
   for (uint32_t i = 0; i < 10; ++i) memcpy(seeds + 3 * (20 + i), seeds + 3 * i, 3 * sizeof *seeds);
   scree_shards_desc desc = desc_of(&box, seeds, 50);
@@ -343,7 +343,7 @@ static void seeds_in_one_place_are_moved_apart(void** state) {
 static void seeds_whose_cell_misses_the_solid_have_no_shard(void** state) {
   (void)state;
   static convex_solid box;
-  make_box(&box, UNIT);
+  make_convex_box(&box, UNIT);
   double seeds[3 * 40];
   lay_seeds(3, ZERO, UNIT, NULL, 0, 20, seeds);
   static const double far_min[3] = {3, 3, 3}, far_max[3] = {4, 4, 4};
@@ -379,7 +379,7 @@ static uint32_t seed_around(const scree_shards_view* view, const double p[3]) {
 static void stretched_cells_are_nearest_by_stretched_distance(void** state) {
   (void)state;
   static convex_solid box;
-  make_box(&box, UNIT);
+  make_convex_box(&box, UNIT);
   double* seeds = seeds_in(8, &box, false, 60);
   scree_shards_desc desc = desc_of(&box, seeds, 60);
   /* +Y lies along +X: the pattern's own y is the solid's x, its x the solid's -y. */
@@ -412,7 +412,7 @@ static void stretched_cells_are_nearest_by_stretched_distance(void** state) {
 static void make_boxes(const double (*low)[3], const double (*high)[3], const bool* hollow, uint32_t count, double* positions,
                        uint32_t* indices, scree_solid* out) {
   static convex_solid box;
-  make_box(&box, UNIT);
+  make_convex_box(&box, UNIT);
   for (uint32_t b = 0; b < count; ++b)
     for (uint32_t i = 0; i < 8; ++i)
       for (uint32_t axis = 0; axis < 3; ++axis) positions[24 * b + 3 * i + axis] = (i >> axis & 1) ? high[b][axis] : low[b][axis];
@@ -509,7 +509,7 @@ static void digest_is_golden(void** state) {
 static void bad_input_is_told(void** state) {
   (void)state;
   static convex_solid box;
-  make_box(&box, UNIT);
+  make_convex_box(&box, UNIT);
   double* seeds = seeds_in(1, &box, false, 10);
   const scree_shards_desc good = desc_of(&box, seeds, 10);
   static const double zero_stretch[3] = {0, 1, 1}, no_up[3] = {NAN, 0, 0}, odd_seed[3] = {0, INFINITY, 0};
@@ -593,7 +593,7 @@ static bool stop_at_once(void* user, const char* stage, double done) {
 static void progress_can_cancel(void** state) {
   (void)state;
   static convex_solid box;
-  make_box(&box, UNIT);
+  make_convex_box(&box, UNIT);
   double* seeds = seeds_in(1, &box, false, 10);
   for (int calls = 0; calls < 4; ++calls) {
     failing_allocator f = {.fail_at = -1};
@@ -614,7 +614,7 @@ static void progress_can_cancel(void** state) {
 static void uneven_uvs_are_cut_by_mesh(void** state) {
   (void)state;
   static convex_solid box;
-  make_box(&box, UNIT);
+  make_convex_box(&box, UNIT);
   double* seeds = seeds_in(1, &box, false, 10);
   static float uvs[12 * 6];
   scree_shards_desc desc = desc_of(&box, seeds, 10);
@@ -641,7 +641,7 @@ static void uneven_uvs_are_cut_by_mesh(void** state) {
 static void hull_of_a_box_is_its_corners(void** state) {
   (void)state;
   static convex_solid box;
-  make_box(&box, UNIT);
+  make_convex_box(&box, UNIT);
   double* seeds = seeds_in(2, &box, false, 200);
   scree_shards_desc desc = desc_of(&box, seeds, 200);
   scree_shards* shards = must_make(&desc);
