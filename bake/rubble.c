@@ -9,6 +9,8 @@
 
 #define MOST_COLUMNS (1u << 24)
 #define DEEP (-1e9)
+#define FEW_COLUMNS 8
+#define THINNEST 0.1 /* of what is not dust, in columns */
 
 /* All that a call of rubble_settle needs. */
 typedef struct work {
@@ -18,7 +20,9 @@ typedef struct work {
   double frame[3][3];     /* rows: x, y, z of rubble's frame, y up, in the world */
   double low[3], high[3]; /* of the solid in it */
   double reach, repose;
-  dexels solid;
+  dexels solid, rock; /* with the blocks that rest; what stands */
+  rubble_flood* flood;
+  double* places; /* of all vertices, in it */
   double* points; /* of one block */
   uint32_t point_capacity;
   rubble_raster rasters[2];
@@ -114,8 +118,10 @@ static scree_result make_grid(work* w, scree_error* error) {
     w->low[k] = INFINITY;
     w->high[k] = -INFINITY;
   }
+  w->places = scree_rt_allocate(&w->allocator, v->vertex_count, 3 * sizeof *w->places);
+  if (w->places == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
   for (uint32_t i = 0; i < v->vertex_count; ++i) {
-    double p[3];
+    double* p = w->places + 3 * (size_t)i;
     to_frame(w, v->vertices + 3 * (size_t)i, p);
     for (int k = 0; k < 3; ++k) {
       if (p[k] < w->low[k]) w->low[k] = p[k];
@@ -141,7 +147,7 @@ static scree_result make_grid(work* w, scree_error* error) {
 /* --- what stands -----------------------------------------------------------------------------------------------------------------
  */
 
-/* Where the line up the middle of a column goes through the surface of what stands. */
+/* Where an upright line goes through the surface of what stands. */
 typedef struct crossing {
   double height;
   int32_t sign; /* 1: into the rock, on the way up */
@@ -150,6 +156,7 @@ typedef struct crossing {
 typedef struct crossings {
   crossing* list;   /* NULL: they are only counted */
   uint32_t* starts; /* of each column, and the end: first its number of crossings */
+  double part[2];   /* where in each column its line is: 0.5, 0.5 in the middle */
 } crossings;
 
 /* Whether the line at (x, z) has the edge from a to b on its way to x = infinity: 1 or -1 by the direction of the edge. The same
@@ -168,8 +175,7 @@ static void cross_polygon(const work* w, const scree_polygon* polygon, const dou
   if (!(outward[1] > 1e-9 || outward[1] < -1e-9)) return;
   double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY}, anchor[3] = {0, 0, 0};
   for (uint32_t c = 0; c < polygon->corner_count; ++c) {
-    double p[3];
-    to_frame(w, v->vertices + 3 * (size_t)corners[c], p);
+    const double* p = w->places + 3 * (size_t)corners[c];
     for (int k = 0; k < 2; ++k) {
       if (p[2 * k] < low[k]) low[k] = p[2 * k];
       if (p[2 * k] > high[k]) high[k] = p[2 * k];
@@ -183,14 +189,14 @@ static void cross_polygon(const work* w, const scree_polygon* polygon, const dou
   }
   for (uint32_t k = from[1]; k <= to[1]; ++k)
     for (uint32_t i = from[0]; i <= to[0]; ++i) {
-      const double x = w->solid.origin[0] + (i + 0.5) * w->solid.size, z = w->solid.origin[1] + (k + 0.5) * w->solid.size;
+      const double x = w->solid.origin[0] + (i + out->part[0]) * w->solid.size;
+      const double z = w->solid.origin[1] + (k + out->part[1]) * w->solid.size;
       int turns = 0;
-      double last[3], next[3];
-      to_frame(w, v->vertices + 3 * (size_t)corners[polygon->corner_count - 1], last);
+      const double* last = w->places + 3 * (size_t)corners[polygon->corner_count - 1];
       for (uint32_t c = 0; c < polygon->corner_count; ++c) {
-        to_frame(w, v->vertices + 3 * (size_t)corners[c], next);
+        const double* next = w->places + 3 * (size_t)corners[c];
         turns += edge_beyond(last, next, x, z);
-        memcpy(last, next, sizeof last);
+        last = next;
       }
       if (turns == 0) continue;
       const uint32_t column = i + w->solid.count[0] * k;
@@ -234,7 +240,7 @@ static void cross_surface(const work* w, crossings* out) {
 }
 
 /* Columns of what stands, from crossings in order: inside between an entry and the exit that evens it out. */
-static scree_result fill_columns(work* w, const crossings* c) {
+static scree_result fill_columns(const work* w, const crossings* c, dexels* out) {
   const uint32_t columns = w->solid.count[0] * w->solid.count[1];
   for (uint32_t column = 0; column < columns; ++column) {
     crossing* list = c->list + c->starts[column];
@@ -250,19 +256,18 @@ static scree_result fill_columns(work* w, const crossings* c) {
     for (uint32_t i = 0; i < count; ++i) {
       if (depth == 0) entry = list[i].height;
       depth += list[i].sign;
-      if (depth == 0 && list[i].height > entry && !dexels_add(&w->solid, column, entry, list[i].height))
-        return SCREE_ERROR_OUT_OF_MEMORY;
+      if (depth == 0 && list[i].height > entry && !dexels_add(out, column, entry, list[i].height)) return SCREE_ERROR_OUT_OF_MEMORY;
     }
     const double x = w->solid.origin[0] + (column % w->solid.count[0] + 0.5) * w->solid.size;
     const double z = w->solid.origin[1] + (column / w->solid.count[0] + 0.5) * w->solid.size;
-    if (!dexels_add(&w->solid, column, DEEP, ground_at(w->desc, x, z))) return SCREE_ERROR_OUT_OF_MEMORY;
+    if (!dexels_add(out, column, DEEP, ground_at(w->desc, x, z))) return SCREE_ERROR_OUT_OF_MEMORY;
   }
   return SCREE_OK;
 }
 
-static scree_result fill_solid(work* w) {
+static scree_result fill(const work* w, double x, double z, dexels* out) {
   const uint32_t columns = w->solid.count[0] * w->solid.count[1];
-  crossings c = {.starts = scree_rt_allocate_zeroed(&w->allocator, (size_t)columns + 1, sizeof *c.starts)};
+  crossings c = {.starts = scree_rt_allocate_zeroed(&w->allocator, (size_t)columns + 1, sizeof *c.starts), .part = {x, z}};
   if (c.starts == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
   cross_surface(w, &c);
   uint32_t total = 0;
@@ -274,10 +279,18 @@ static scree_result fill_solid(work* w) {
   c.list = scree_rt_allocate(&w->allocator, (size_t)total + 1, sizeof *c.list);
   if (c.list != NULL) {
     cross_surface(w, &c);
-    result = fill_columns(w, &c);
+    result = fill_columns(w, &c, out);
   }
   scree_rt_release(&w->allocator, c.list, (size_t)total + 1, sizeof *c.list);
   scree_rt_release(&w->allocator, c.starts, (size_t)columns + 1, sizeof *c.starts);
+  return result;
+}
+
+/* What stands along five lines of each column, so that walls as thin as a column have no holes. */
+static scree_result fill_rock(work* w) {
+  scree_result result = dexels_copy(&w->solid, &w->rock);
+  for (int line = 0; line < 4 && result == SCREE_OK; ++line)
+    result = fill(w, line % 2 ? 0.75 : 0.25, line / 2 ? 0.75 : 0.25, &w->rock);
   return result;
 }
 
@@ -324,11 +337,13 @@ static scree_result make_scratch(work* w, scree_rubble* rubble, scree_error* err
     ++blocks;
   }
   if (blocks == 0) return SCREE_OK;
+  if (fill_rock(w) != SCREE_OK) return SCREE_ERROR_OUT_OF_MEMORY;
+  w->flood = scree_rt_allocate(&w->allocator, 1, sizeof *w->flood);
   w->mean_volume /= blocks;
   w->points = scree_rt_allocate(&w->allocator, w->point_capacity, 3 * sizeof *w->points);
   rubble->blocks = scree_rt_allocate(&w->allocator, blocks, sizeof *rubble->blocks);
   rubble->capacity = blocks;
-  if (w->points == NULL || rubble->blocks == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
+  if (w->flood == NULL || w->points == NULL || rubble->blocks == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
   for (uint32_t i = 0; i < w->input->block_count; ++i) {
     if (!kept(w, i)) continue;
     const uint32_t points = block_points(w, &w->input->blocks[i], w->points);
@@ -352,17 +367,17 @@ static scree_result make_scratch(work* w, scree_rubble* rubble, scree_error* err
 /* Makes a block that rests part of what is solid. */
 static bool stamp(work* w, const rubble_mover* m, const rubble_pose* pose) {
   const rubble_raster* raster = &m->rasters[0];
-  bool any = false;
-  for (int corners = 0; corners < 2 && !any; ++corners) /* so small that it covers no middle: by its corners */
-    for (uint32_t c = 0; c < raster->count; ++c) {
-      const rubble_cell* cell = &raster->cells[c];
-      const double low = corners ? cell->low : cell->mid_low, high = corners ? cell->high : cell->mid_high;
-      if (!(low < high)) continue;
-      any = true;
-      const uint32_t column =
-          (uint32_t)(pose->column[0] + cell->column[0]) + w->solid.count[0] * (uint32_t)(pose->column[1] + cell->column[1]);
-      if (!dexels_add(&w->solid, column, pose->height + low, pose->height + high)) return false;
-    }
+  uint32_t middles = 0;
+  for (uint32_t c = 0; c < raster->count; ++c) middles += raster->cells[c].mid_low < raster->cells[c].mid_high;
+  const bool corners = middles < FEW_COLUMNS; /* so small that its middles say little: by its corners, too */
+  for (uint32_t c = 0; c < raster->count; ++c) {
+    const rubble_cell* cell = &raster->cells[c];
+    const double low = corners ? cell->low : cell->mid_low, high = corners ? cell->high : cell->mid_high;
+    if (!(low < high)) continue;
+    const uint32_t column =
+        (uint32_t)(pose->column[0] + cell->column[0]) + w->solid.count[0] * (uint32_t)(pose->column[1] + cell->column[1]);
+    if (!dexels_add(&w->solid, column, pose->height + low, pose->height + high)) return false;
+  }
   return true;
 }
 
@@ -371,18 +386,22 @@ static scree_result settle_block(work* w, uint32_t index, scree_rubble* rubble) 
   const scree_block* block = &w->input->blocks[index];
   rubble_hull hull;
   if (!rubble_hull_make(w->points, block_points(w, block, w->points), &hull)) return SCREE_OK; /* flat: nothing to see */
+  if (hull.thickness < THINNEST * w->solid.size) return SCREE_OK; /* dust: columns do not tell where it lies */
   double push[3], at[3];
   to_frame(w, block->push, push);
   to_frame(w, block->centroid, at);
   /* Large blocks roll on where small ones stay. Less than the repose that is asked for, because stones also hold each other. */
   const double large = block->volume / (block->volume + w->mean_volume);
   rubble_mover mover = {.solid = &w->solid,
+                        .rock = &w->rock,
                         .hull = &hull,
+                        .flood = w->flood,
+                        .limit = at[1] + 0.02 * hull.size,
                         .slope = w->repose * (1 - 0.3 * large),
                         .give = 0.5 * w->solid.size,
                         .rasters = {w->rasters[0], w->rasters[1]},
                         .stream = {hash_combine(hash_combine(w->desc->random_seed, index), 1)}};
-  if (mover.give > 0.15 * hull.size) mover.give = 0.15 * hull.size;
+  if (mover.give > 0.15 * hull.thickness) mover.give = 0.15 * hull.thickness;
   rubble_pose pose = {.height = at[1], .turn = {0, 0, 0, 1}};
   for (int k = 0; k < 2; ++k) {
     const double place = (at[2 * k] - w->solid.origin[k]) / w->solid.size;
@@ -412,7 +431,7 @@ static bool tell(const work* w, double done) {
 static scree_result settle_all(work* w, scree_rubble* rubble, scree_error* error) {
   if (!tell(w, 0)) return SCREE_ERROR_CANCELLED;
   scree_result result = make_grid(w, error);
-  if (result == SCREE_OK) result = fill_solid(w);
+  if (result == SCREE_OK) result = fill(w, 0.5, 0.5, &w->solid);
   if (result == SCREE_OK) result = make_scratch(w, rubble, error);
   for (uint32_t i = 0; i < w->input->block_count && result == SCREE_OK; ++i) {
     if (kept(w, i)) result = settle_block(w, i, rubble);
@@ -436,6 +455,9 @@ scree_result rubble_settle(const rubble_input* input, const scree_rubble_desc* d
   rubble->allocator = w.allocator;
   result = settle_all(&w, rubble, error);
   dexels_free(&w.solid);
+  dexels_free(&w.rock);
+  scree_rt_release(&w.allocator, w.flood, 1, sizeof *w.flood);
+  scree_rt_release(&w.allocator, w.places, input->view->vertex_count, 3 * sizeof *w.places);
   scree_rt_release(&w.allocator, w.points, w.point_capacity, 3 * sizeof *w.points);
   for (int r = 0; r < 2; ++r) scree_rt_release(&w.allocator, w.rasters[r].cells, w.rasters[r].capacity, sizeof(rubble_cell));
   if (result != SCREE_OK) {

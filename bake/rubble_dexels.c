@@ -26,6 +26,28 @@ void dexels_free(dexels* d) {
   memset(d, 0, sizeof *d);
 }
 
+scree_result dexels_copy(const dexels* from, dexels* out) {
+  const size_t columns = (size_t)from->count[0] * from->count[1];
+  *out = *from;
+  out->pool_capacity = from->pool_count > 0 ? from->pool_count : 1;
+  out->first = scree_rt_allocate(&from->allocator, columns, sizeof *out->first);
+  out->pool = scree_rt_allocate(&from->allocator, out->pool_capacity, sizeof *out->pool);
+  if (out->first == NULL || out->pool == NULL) {
+    dexels_free(out);
+    return SCREE_ERROR_OUT_OF_MEMORY;
+  }
+  memcpy(out->first, from->first, columns * sizeof *out->first);
+  memcpy(out->pool, from->pool, from->pool_count * sizeof *out->pool);
+  return SCREE_OK;
+}
+
+bool dexels_hold(const dexels* d, const int32_t column[2], double height) {
+  if (column[0] < 0 || column[1] < 0 || column[0] >= (int32_t)d->count[0] || column[1] >= (int32_t)d->count[1]) return false;
+  uint32_t n = d->first[(uint32_t)column[0] + d->count[0] * (uint32_t)column[1]];
+  while (n != DEXEL_END && d->pool[n].high <= height) n = d->pool[n].next;
+  return n != DEXEL_END && d->pool[n].low < height;
+}
+
 static bool grow(dexels* d) {
   if (d->pool_capacity > UINT32_MAX / 4) return false;
   const uint32_t capacity = 2 * d->pool_capacity;

@@ -27,6 +27,12 @@ scree_result dexels_create(const scree_allocator* allocator, const double origin
                            dexels* out);
 void dexels_free(dexels* d);
 
+/* Returns as dexels_create. */
+scree_result dexels_copy(const dexels* from, dexels* out);
+
+/* Whether a height of a column is within what is solid; nothing is beyond the grid. */
+bool dexels_hold(const dexels* d, const int32_t column[2], double height);
+
 /* Makes low..high of a column solid; what it meets or touches becomes one interval with it. Returns false when memory is short. */
 bool dexels_add(dexels* d, uint32_t column, double low, double high);
 

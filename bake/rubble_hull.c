@@ -152,28 +152,43 @@ static bool bears(const rubble_hull* hull, const uint8_t t[3], const double norm
   return true;
 }
 
+/* How far the hull reaches inwards from a face. */
+static double depth_below(const rubble_hull* hull, const double normal[3], const double* on_face) {
+  double deepest = 0;
+  for (uint32_t p = 0; p < hull->point_count; ++p) {
+    double depth = 0;
+    for (int axis = 0; axis < 3; ++axis) depth += (on_face[axis] - hull->points[p][axis]) * normal[axis];
+    if (depth > deepest) deepest = depth;
+  }
+  return deepest;
+}
+
 /* Triangles that look nearly the same way are one face. */
 static void find_faces(rubble_hull* hull) {
   bool done[HULL_TRIANGLES] = {false};
+  double vectors[HULL_TRIANGLES][3], areas[HULL_TRIANGLES];
   for (uint32_t t = 0; t < hull->triangle_count; ++t) {
-    if (done[t]) continue;
+    area_vector(hull, hull->triangles[t], vectors[t]);
+    areas[t] = sqrt(vectors[t][0] * vectors[t][0] + vectors[t][1] * vectors[t][1] + vectors[t][2] * vectors[t][2]);
+  }
+  hull->thickness = INFINITY;
+  for (uint32_t t = 0; t < hull->triangle_count; ++t) {
+    if (done[t] || !(areas[t] > 0)) continue;
     hull_face face = {.area = 0};
-    double normal[3], sum[3] = {0, 0, 0};
-    area_vector(hull, hull->triangles[t], normal);
-    const double length = sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
-    if (!(length > 0)) continue;
+    const double* normal = vectors[t];
+    const double unit[3] = {normal[0] / areas[t], normal[1] / areas[t], normal[2] / areas[t]};
+    double sum[3] = {0, 0, 0};
     bool stable = false;
     for (uint32_t k = t; k < hull->triangle_count; ++k) {
-      double other[3];
-      area_vector(hull, hull->triangles[k], other);
-      const double area = sqrt(other[0] * other[0] + other[1] * other[1] + other[2] * other[2]);
-      const double along = (other[0] * normal[0] + other[1] * normal[1] + other[2] * normal[2]) / length;
-      if (!(along > 0.995 * area)) continue;
+      const double* other = vectors[k];
+      const double along = (other[0] * normal[0] + other[1] * normal[1] + other[2] * normal[2]) / areas[t];
+      if (!(along > 0.995 * areas[k])) continue;
       done[k] = true;
       for (int axis = 0; axis < 3; ++axis) sum[axis] += other[axis];
-      const double unit[3] = {normal[0] / length, normal[1] / length, normal[2] / length};
       stable = stable || bears(hull, hull->triangles[k], unit);
     }
+    const double depth = depth_below(hull, unit, hull->points[hull->triangles[t][0]]);
+    if (depth < hull->thickness) hull->thickness = depth;
     face.area = sqrt(sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]);
     if (!stable || !(face.area > 0)) continue;
     for (int axis = 0; axis < 3; ++axis) face.normal[axis] = sum[axis] / face.area;

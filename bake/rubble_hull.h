@@ -18,8 +18,9 @@ typedef struct rubble_hull {
   uint8_t triangles[HULL_TRIANGLES][3];
   hull_face faces[HULL_FACES]; /* the largest, falling */
   uint32_t point_count, triangle_count, face_count;
-  double size;   /* mean of the sides of its box */
-  double radius; /* of the farthest point */
+  double size;      /* mean of the sides of its box */
+  double radius;    /* of the farthest point */
+  double thickness; /* between the two nearest planes that it fits in, one along a face */
 } rubble_hull;
 
 /* The hull of points, 3 doubles each, relative to the centre of mass; of many, of those that are farthest out in enough directions.

@@ -5,9 +5,9 @@
 
 #include "rubble_internal.h"
 
-enum { DIRECTIONS = 8, LOOK_AHEAD = 6 };
+enum { DIRECTIONS = RUBBLE_DIRECTIONS, LOOK_AHEAD = 6 };
 
-static const int32_t directions[DIRECTIONS][2] = {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}};
+typedef rubble_fit fit;
 
 /* floor, without a call to it where the processor has no instruction for it. */
 static int32_t whole_below(double value) {
@@ -107,12 +107,8 @@ void rubble_rasterise(const rubble_mover* m, const double turn[4], const double 
     if (out->cells[c].low <= out->cells[c].high) out->cells[out->count++] = out->cells[c];
 }
 
-typedef enum fit { FIT_FREE, FIT_BLOCKED, FIT_OUT } fit;
-
-/* Whether a block fits at a place, and how high it lies when it drops from there. Where that is `enough` or more it is blocked: the
- * caller has better, and need not wait for the rest. */
-static fit fits_below(const rubble_mover* m, const rubble_raster* raster, const int32_t column[2], double height, double enough,
-                      double* rest) {
+rubble_fit rubble_fits(const rubble_mover* m, const rubble_raster* raster, const int32_t column[2], double height, double enough,
+                       double* rest) {
   const dexels* d = m->solid;
   double floor_height = -INFINITY;
   for (uint32_t c = 0; c < raster->count; ++c) {
@@ -136,50 +132,10 @@ static fit fits_below(const rubble_mover* m, const rubble_raster* raster, const 
 }
 
 static fit fits(const rubble_mover* m, const rubble_raster* raster, const int32_t column[2], double height, double* rest) {
-  return fits_below(m, raster, column, height, INFINITY, rest);
+  return rubble_fits(m, raster, column, height, INFINITY, rest);
 }
 
 /* --- ways -------------------------------------------------------------------------------------------------------------------- */
-
-/* Out of the rock it was part of: along its push, else sideways or up, the nearest first, and down to what lies below. */
-static bool push_out(const rubble_mover* m, rubble_pose* pose, const double push[3]) {
-  const dexels* d = m->solid;
-  double rest;
-  const uint32_t far = (uint32_t)(4 * m->hull->size / d->size) + 8;
-  for (uint32_t n = 0; n <= far; ++n) {
-    const int32_t at[2] = {pose->column[0] + (int32_t)floor(n * push[0] + 0.5),
-                           pose->column[1] + (int32_t)floor(n * push[2] + 0.5)};
-    const double height = pose->height + n * push[1] * d->size;
-    const fit f = fits(m, &m->rasters[0], at, height, &rest);
-    if (f == FIT_OUT) return false;
-    if (f == FIT_FREE) {
-      pose->column[0] = at[0];
-      pose->column[1] = at[1];
-      pose->height = rest;
-      return true;
-    }
-  }
-  for (uint32_t n = 1;; ++n) {
-    for (int k = 0; k <= DIRECTIONS; ++k) {
-      int32_t at[2] = {pose->column[0], pose->column[1]};
-      double height = pose->height;
-      if (k == DIRECTIONS) {
-        height += n * d->size;
-      } else {
-        if (n > far) continue;
-        at[0] += (int32_t)n * directions[k][0];
-        at[1] += (int32_t)n * directions[k][1];
-      }
-      const fit f = fits(m, &m->rasters[0], at, height, &rest);
-      if (f == FIT_OUT && k == DIRECTIONS) return false;
-      if (f != FIT_FREE) continue;
-      pose->column[0] = at[0];
-      pose->column[1] = at[1];
-      pose->height = rest;
-      return true;
-    }
-  }
-}
 
 static void swap_rasters(rubble_mover* m) {
   const rubble_raster swap = m->rasters[0];
@@ -193,6 +149,7 @@ static bool try_turn(rubble_mover* m, rubble_pose* pose, const double turn[4]) {
   for (int lift = 0; lift < 3; ++lift) {
     double rest;
     if (fits(m, &m->rasters[1], pose->column, pose->height + lift * 0.5 * m->hull->radius, &rest) != FIT_FREE) continue;
+    if (rest > m->limit) continue;
     memcpy(pose->turn, turn, sizeof pose->turn);
     pose->height = rest;
     swap_rasters(m);
@@ -201,29 +158,44 @@ static bool try_turn(rubble_mover* m, rubble_pose* pose, const double turn[4]) {
   return false;
 }
 
-/* Lays it on one of its largest faces, spun about the vertical. */
-static void lie_down(rubble_mover* m, rubble_pose* pose) {
-  const rubble_hull* hull = m->hull;
+/* The turn that lays it on a face: half way between the face's normal and down, then spun about the vertical. */
+static void turn_onto(const hull_face* face, const double spin[4], double out[4]) {
+  const double* n = face->normal;
+  double down[4] = {n[2], 0, -n[0], 1 - n[1]};
+  if (down[3] < 1e-6) {
+    down[0] = 1;
+    down[2] = down[3] = 0;
+  }
+  turn_by(spin, down, out);
+}
+
+static void any_spin(random_stream* stream, double out[4]) {
+  for (;;) {
+    const double x = 2 * random_unit(stream) - 1, y = 2 * random_unit(stream) - 1;
+    if (x * x + y * y > 1 || x * x + y * y < 1e-3) continue;
+    out[0] = out[2] = 0;
+    out[1] = x;
+    out[3] = y;
+    return;
+  }
+}
+
+/* The largest faces, of which it lies on one rather than on others. */
+static uint32_t good_faces(const rubble_hull* hull) {
   uint32_t good = 0;
   while (good < hull->face_count && good < 3 && hull->faces[good].area > 0.5 * hull->faces[0].area) ++good;
+  return good;
+}
+
+/* Lays it on one of its largest faces, spun about the vertical. */
+static void lie_down(rubble_mover* m, rubble_pose* pose) {
+  const uint32_t good = good_faces(m->hull);
   if (good == 0) return;
   const uint32_t first = (uint32_t)(random_unit(&m->stream) * good);
   for (uint32_t attempt = 0; attempt < 6; ++attempt) {
-    const double* n = hull->faces[(first + attempt / 3) % good].normal;
-    /* The turn that takes n to straight down: half way between it and down. */
-    double down[4] = {n[2], 0, -n[0], 1 - n[1]}, spin[4] = {0, 1, 0, 0}, turn[4];
-    if (down[3] < 1e-6) {
-      down[0] = 1;
-      down[2] = down[3] = 0;
-    }
-    for (;;) {
-      const double x = 2 * random_unit(&m->stream) - 1, y = 2 * random_unit(&m->stream) - 1;
-      if (x * x + y * y > 1 || x * x + y * y < 1e-3) continue;
-      spin[1] = x;
-      spin[3] = y;
-      break;
-    }
-    turn_by(spin, down, turn);
+    double spin[4], turn[4];
+    any_spin(&m->stream, spin);
+    turn_onto(&m->hull->faces[(first + attempt / 3) % good], spin, turn);
     if (try_turn(m, pose, turn)) return;
   }
 }
@@ -233,8 +205,8 @@ static fit walk(const rubble_mover* m, const rubble_pose* pose, int direction, u
   int32_t at[2] = {pose->column[0], pose->column[1]};
   double now = pose->height;
   for (uint32_t s = 0; s < steps; ++s) {
-    at[0] += directions[direction][0];
-    at[1] += directions[direction][1];
+    at[0] += rubble_directions[direction][0];
+    at[1] += rubble_directions[direction][1];
     double rest;
     fit f = fits(m, &m->rasters[0], at, now, &rest);
     if (f == FIT_BLOCKED && climb > 0) f = fits(m, &m->rasters[0], at, now + climb, &rest);
@@ -247,8 +219,8 @@ static fit walk(const rubble_mover* m, const rubble_pose* pose, int direction, u
 }
 
 static void go(rubble_pose* pose, int direction, uint32_t steps, double height) {
-  pose->column[0] += (int32_t)steps * directions[direction][0];
-  pose->column[1] += (int32_t)steps * directions[direction][1];
+  pose->column[0] += (int32_t)steps * rubble_directions[direction][0];
+  pose->column[1] += (int32_t)steps * rubble_directions[direction][1];
   pose->height = height;
 }
 
@@ -311,13 +283,13 @@ static bool roll(const rubble_mover* m, rubble_pose* pose, bool* moved) {
  * `steps` columns. Keeps it where its centre of mass is lower than `best`. */
 static bool try_tip(rubble_mover* m, const rubble_pose* pose, int direction, double angle, int steps, rubble_pose* best) {
   const double part = angle * (direction % 2 ? sqrt(0.5) : 1);
-  const double by[4] = {part * directions[direction][1], 0, -part * directions[direction][0], 1};
+  const double by[4] = {part * rubble_directions[direction][1], 0, -part * rubble_directions[direction][0], 1};
   rubble_pose tried = *pose;
   turn_by(by, pose->turn, tried.turn);
-  for (int axis = 0; axis < 2; ++axis) tried.column[axis] += steps * directions[direction][axis];
+  for (int axis = 0; axis < 2; ++axis) tried.column[axis] += steps * rubble_directions[direction][axis];
   rubble_rasterise(m, tried.turn, tried.part, &m->rasters[1]);
   const double lifted = pose->height + angle * m->hull->radius;
-  if (fits_below(m, &m->rasters[1], tried.column, lifted, best->height, &tried.height) != FIT_FREE) return false;
+  if (rubble_fits(m, &m->rasters[1], tried.column, lifted, best->height, &tried.height) != FIT_FREE) return false;
   *best = tried;
   return true;
 }
@@ -338,15 +310,110 @@ static void tip(rubble_mover* m, rubble_pose* pose) {
     }
 }
 
-bool rubble_move(rubble_mover* m, rubble_pose* pose, const double push[3]) {
+/* Whether it stands on end. */
+static bool stands(const rubble_mover* m, const rubble_pose* pose) {
+  /* Of eight level directions, 22.5 degrees apart. */
+  static const double level[8][2] = {{1, 0},
+                                     {0.9238795325112867, 0.3826834323650898},
+                                     {0.7071067811865476, 0.7071067811865476},
+                                     {0.3826834323650898, 0.9238795325112867},
+                                     {0, 1},
+                                     {-0.3826834323650898, 0.9238795325112867},
+                                     {-0.7071067811865476, 0.7071067811865476},
+                                     {-0.9238795325112867, 0.3826834323650898}};
+  double low[9], high[9], widest = 0;
+  for (int k = 0; k < 9; ++k) {
+    low[k] = INFINITY;
+    high[k] = -INFINITY;
+  }
+  for (uint32_t p = 0; p < m->hull->point_count; ++p) {
+    double at[3];
+    rubble_rotate(pose->turn, m->hull->points[p], at);
+    for (int k = 0; k < 9; ++k) {
+      const double along = k < 8 ? level[k][0] * at[0] + level[k][1] * at[2] : at[1];
+      if (along < low[k]) low[k] = along;
+      if (along > high[k]) high[k] = along;
+    }
+  }
+  for (int k = 0; k < 8; ++k)
+    if (high[k] - low[k] > widest) widest = high[k] - low[k];
+  return high[8] - low[8] > 1.25 * widest;
+}
+
+/* Whether its centre of mass is above what bears it from below: not all of that is on one side. */
+static bool balances(const rubble_mover* m, const rubble_pose* pose) {
+  const dexels* d = m->solid;
+  double most[DIRECTIONS];
+  for (int k = 0; k < DIRECTIONS; ++k) most[k] = -INFINITY;
+  for (uint32_t c = 0; c < m->rasters[0].count; ++c) {
+    const rubble_cell* cell = &m->rasters[0].cells[c];
+    const int32_t at[2] = {pose->column[0] + cell->column[0], pose->column[1] + cell->column[1]};
+    if (!dexels_hold(d, at, pose->height + cell->low - 0.3 * d->size)) continue;
+    const double x = cell->column[0] + 0.5 - pose->part[0], z = cell->column[1] + 0.5 - pose->part[1];
+    for (int k = 0; k < DIRECTIONS; ++k) {
+      const double along = x * rubble_directions[k][0] + z * rubble_directions[k][1];
+      if (along > most[k]) most[k] = along;
+    }
+  }
+  for (int k = 0; k < DIRECTIONS; ++k)
+    if (!(most[k] > 0)) return false;
+  return true;
+}
+
+/* What stands on end or hangs over falls: onto one of its largest faces, beside where it is if there is no room, wherever that is
+ * lowest. Returns whether there is such a place, lower than where it is. */
+static bool topple(rubble_mover* m, rubble_pose* pose) {
+  const rubble_hull* hull = m->hull;
+  const uint32_t good = good_faces(hull);
+  /* 45 degrees about the vertical. */
+  static const double eighth[4] = {0, 0.3826834323650898, 0, 0.9238795325112867};
+  double spin[4];
+  any_spin(&m->stream, spin);
+  rubble_pose best = *pose;
+  best.height -= 0.05 * hull->size;
+  bool found = false;
+  for (uint32_t attempt = 0; attempt < 8 * good; ++attempt) {
+    rubble_pose tried = *pose;
+    double next[4];
+    turn_onto(&hull->faces[attempt / 8], spin, tried.turn);
+    turn_by(eighth, spin, next);
+    memcpy(spin, next, sizeof spin);
+    rubble_rasterise(m, tried.turn, pose->part, &m->rasters[1]);
+    for (int k = -1; k < 3 * DIRECTIONS; ++k) {
+      for (int axis = 0; axis < 2 && k >= 0; ++axis) {
+        const double aside = 0.5 * (1 + k / DIRECTIONS) * hull->radius * (k % 2 ? sqrt(0.5) : 1) / m->solid->size;
+        tried.column[axis] = pose->column[axis] + whole_below(aside * rubble_directions[k % DIRECTIONS][axis] + 0.5);
+      }
+      if (rubble_fits(m, &m->rasters[1], tried.column, pose->height, best.height, &tried.height) != FIT_FREE) continue;
+      if (!rubble_clear(m, pose->column, tried.column, pose->height)) continue;
+      best = tried;
+      found = true;
+    }
+  }
+  if (!found) return false;
+  *pose = best;
   rubble_rasterise(m, pose->turn, pose->part, &m->rasters[0]);
-  if (!push_out(m, pose, push)) return false;
-  lie_down(m, pose);
+  return true;
+}
+
+static bool settle_down(rubble_mover* m, rubble_pose* pose) {
   for (int round = 0; round < 4; ++round) {
     bool moved;
     if (!roll(m, pose, &moved)) return false;
     if (round > 0 && !moved) break;
     tip(m, pose);
+  }
+  return true;
+}
+
+bool rubble_move(rubble_mover* m, rubble_pose* pose, const double push[3]) {
+  rubble_rasterise(m, pose->turn, pose->part, &m->rasters[0]);
+  if (!rubble_leave(m, pose, push)) return false;
+  lie_down(m, pose);
+  if (!settle_down(m, pose)) return false;
+  for (int round = 0; round < 3 && (stands(m, pose) || !balances(m, pose)); ++round) {
+    if (!topple(m, pose)) break;
+    if (!settle_down(m, pose)) return false;
   }
   return true;
 }
