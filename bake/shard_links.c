@@ -33,19 +33,16 @@ typedef struct link_record {
   uint32_t shards[2], root;
 } link_record;
 
-enum { SCRATCH_MAX = 24 };
-
 /* A half is one side of a piece: 2 * piece + the side. Those of the outside are not used. */
 typedef struct assembly {
   const scree_shards_desc* desc;
   const scree_allocator* allocator;
   const shard_pieces* pieces;
   scree_error* error;
-  struct {
-    void* memory;
-    size_t count, size;
-  } scratch[SCRATCH_MAX];
-  uint32_t scratch_count;
+  /* Everything below lies in one block, which is taken for the most that there can be: what is never used is never touched, and
+   * what is dead makes room for what comes. */
+  unsigned char* memory;
+  size_t size, used;
 
   uint32_t cell_count, half_count, piece_count, shard_count, link_count, interior_count;
   piece_measure* measures;
@@ -55,6 +52,7 @@ typedef struct assembly {
   uint32_t* half_parents;  /* by shard */
   uint32_t* piece_parents; /* by link */
   uint32_t* shard_of;      /* of each half */
+  double* volumes;         /* of each half that is a root, in cells of several */
   scree_shard* shards;
   link_record* records;
   uint32_t* link_of; /* of each piece */
@@ -62,14 +60,37 @@ typedef struct assembly {
   uint32_t near_total;
 } assembly;
 
-static void* scratch(assembly* a, size_t count, size_t size) {
-  if (count == 0) count = 1;
-  void* memory = scree_rt_allocate(a->allocator, count, size);
-  if (memory == NULL) return NULL;
-  a->scratch[a->scratch_count].memory = memory;
-  a->scratch[a->scratch_count].count = count;
-  a->scratch[a->scratch_count++].size = size;
-  return memory;
+/* Adds so many elements to a size, and tells where they begin. */
+static size_t place(size_t* size, size_t count, size_t of) {
+  const size_t at = *size;
+  *size += (count * of + SCREE_ALIGNMENT - 1) / SCREE_ALIGNMENT * SCREE_ALIGNMENT;
+  return at;
+}
+
+static void* take(assembly* a, size_t count, size_t of) {
+  return a->memory + place(&a->used, count, of);
+}
+
+/* In the order in which it is taken. A shard has a root among its halves: there are no more of them. */
+static bool reserve(assembly* a) {
+  const size_t pieces = a->piece_count, halves = a->half_count, corners = a->pieces->corner_count;
+  size_t size = 0, early = 0, late = 0;
+  place(&size, pieces, sizeof *a->measures);
+  place(&size, a->cell_count + (size_t)2, sizeof *a->cell_first);
+  for (int k = 0; k < 3; ++k) place(&size, halves, sizeof(uint32_t));
+  for (int k = 0; k < 2; ++k) place(&size, pieces, sizeof(uint32_t));
+  place(&size, corners, sizeof *a->pairs);
+  place(&size, halves, sizeof *a->volumes);
+  place(&size, halves, sizeof *a->shards);
+  place(&size, pieces, sizeof *a->records);
+  place(&size, pieces + 2, sizeof *a->near_first);
+  place(&size, pieces, sizeof *a->near_count);
+  place(&early, halves, 4 * sizeof(double));
+  place(&early, halves, sizeof(uint32_t));
+  place(&late, 2 * corners, sizeof(uint32_t));
+  a->size = size + (early > late ? early : late);
+  a->memory = scree_rt_allocate(a->allocator, a->size, 1);
+  return a->memory != NULL;
 }
 
 static scree_result wrong(assembly* a, const char* what, uint32_t seed, const double place[3]) {
@@ -124,17 +145,16 @@ static bool list_halves(assembly* a) {
       const uint32_t cell = pieces->pieces[i].cells[side];
       if (cell != PIECE_OUTSIDE && cell >= a->cell_count) a->cell_count = cell + 1;
     }
-  a->measures = scratch(a, a->piece_count, sizeof *a->measures);
-  a->cell_first = scratch(a, a->cell_count + (size_t)2, sizeof *a->cell_first);
-  a->halves = scratch(a, a->half_count, sizeof *a->halves);
-  a->half_parents = scratch(a, a->half_count, sizeof *a->half_parents);
-  a->shard_of = scratch(a, a->half_count, sizeof *a->shard_of);
-  a->piece_parents = scratch(a, a->piece_count, sizeof *a->piece_parents);
-  a->link_of = scratch(a, a->piece_count, sizeof *a->link_of);
-  a->pairs = scratch(a, pieces->corner_count, sizeof *a->pairs);
-  if (a->measures == NULL || a->cell_first == NULL || a->halves == NULL || a->half_parents == NULL || a->shard_of == NULL ||
-      a->piece_parents == NULL || a->link_of == NULL || a->pairs == NULL)
-    return false;
+  if (!reserve(a)) return false;
+  a->measures = take(a, a->piece_count, sizeof *a->measures);
+  a->cell_first = take(a, a->cell_count + (size_t)2, sizeof *a->cell_first);
+  a->halves = take(a, a->half_count, sizeof *a->halves);
+  a->half_parents = take(a, a->half_count, sizeof *a->half_parents);
+  a->shard_of = take(a, a->half_count, sizeof *a->shard_of);
+  a->piece_parents = take(a, a->piece_count, sizeof *a->piece_parents);
+  a->link_of = take(a, a->piece_count, sizeof *a->link_of);
+  a->pairs = take(a, pieces->corner_count, sizeof *a->pairs);
+  a->volumes = take(a, a->half_count, sizeof *a->volumes);
   memset(a->cell_first, 0, (a->cell_count + (size_t)2) * sizeof *a->cell_first);
   for (uint32_t i = 0; i < a->piece_count; ++i) {
     measure_piece(pieces, pieces->pieces + i, a->measures + i);
@@ -207,18 +227,17 @@ static scree_result pair_edges(assembly* a) {
     most = edges > most ? edges : most;
   }
   while (size < 2 * (uint64_t)most && size < UINT32_C(1) << 31) size *= 2;
-  half_edge* table = scratch(a, size, sizeof *table);
-  if (table == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
-  memset(table, 0, size * sizeof *table);
-  for (uint32_t cell = 0; cell < a->cell_count; ++cell) {
+  half_edge* table = scree_rt_allocate_zeroed(a->allocator, size, sizeof *table);
+  scree_result result = table == NULL ? SCREE_ERROR_OUT_OF_MEMORY : SCREE_OK;
+  for (uint32_t cell = 0; cell < a->cell_count && result == SCREE_OK; ++cell) {
     uint32_t edges = 0, part = 63;
     for (uint32_t k = a->cell_first[cell]; k < a->cell_first[cell + 1]; ++k)
       edges += a->pieces->pieces[a->halves[k] / 2].corner_count;
     while (part < 2 * (uint64_t)edges && part < size - 1) part = 2 * part + 1;
-    const scree_result result = pair_cell(a, cell, table, part);
-    if (result != SCREE_OK) return result;
+    result = pair_cell(a, cell, table, part);
   }
-  return SCREE_OK;
+  scree_rt_release(a->allocator, table, size, sizeof *table);
+  return result;
 }
 
 /* --- shards ----------------------------------------------------------------------------------------------------------------- */
@@ -268,8 +287,9 @@ static int winding(assembly* a, uint32_t cell, uint32_t root, const double point
   return turns;
 }
 
-/* Gives hollows of one cell to the shard around them. volumes: of each half that is a root. */
-static scree_result join_hollows(assembly* a, uint32_t cell, const double* volumes) {
+/* Gives hollows of one cell to the shard around them. */
+static scree_result join_hollows(assembly* a, uint32_t cell) {
+  const double* volumes = a->volumes;
   const uint32_t first = a->cell_first[cell], end = a->cell_first[cell + 1];
   for (uint32_t k = first; k < end; ++k) {
     const uint32_t hollow = a->halves[k];
@@ -293,8 +313,7 @@ static scree_result join_hollows(assembly* a, uint32_t cell, const double* volum
 }
 
 static scree_result find_shards(assembly* a) {
-  double* volumes = scratch(a, a->half_count, sizeof *volumes);
-  if (volumes == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
+  double* volumes = a->volumes;
   a->shard_count = 0;
   for (uint32_t cell = 0; cell < a->cell_count; ++cell) {
     const uint32_t first = a->cell_first[cell], end = a->cell_first[cell + 1];
@@ -303,24 +322,24 @@ static scree_result find_shards(assembly* a) {
     for (uint32_t k = first; k < end; ++k) {
       const uint32_t half = a->halves[k];
       if (root_of(a->half_parents, half) != half) continue;
-      volumes[half] = 0;
       a->shard_of[half] = half;
       ++roots;
     }
     a->shard_count += roots;
     if (roots > 1) {
       double unused[3] = {0};
+      for (uint32_t k = first; k < end; ++k) volumes[a->halves[k]] = 0;
       for (uint32_t k = first; k < end; ++k)
         add_half(a, a->halves[k], origin_of(a, a->halves[first]), volumes + root_of(a->half_parents, a->halves[k]), unused);
       for (uint32_t k = first; k < end; ++k)
         hollow = hollow || (a->half_parents[a->halves[k]] == a->halves[k] && !(volumes[a->halves[k]] > 0));
-      const scree_result result = hollow ? join_hollows(a, cell, volumes) : SCREE_OK;
+      const scree_result result = hollow ? join_hollows(a, cell) : SCREE_OK;
       if (result != SCREE_OK) return result;
     }
   }
-  a->shards = scratch(a, a->shard_count, sizeof *a->shards);
-  uint32_t* ids = scratch(a, a->half_count, sizeof *ids);
-  if (a->shards == NULL || ids == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
+  a->shards = take(a, a->shard_count, sizeof *a->shards);
+  const size_t mark = a->used;
+  uint32_t* ids = take(a, a->half_count, sizeof *ids);
   a->shard_count = 0;
   for (uint32_t cell = 0; cell < a->cell_count; ++cell) {
     const uint32_t first = a->cell_first[cell], end = a->cell_first[cell + 1];
@@ -335,6 +354,7 @@ static scree_result find_shards(assembly* a) {
       a->shard_of[half] = ids[a->shard_of[root_of(a->half_parents, half)]];
     }
   }
+  a->used = mark;
   return SCREE_OK;
 }
 
@@ -351,9 +371,10 @@ static scree_result measure_shards(assembly* a) {
                      p[0][2] * (p[1][0] * p[2][1] - p[1][1] * p[2][0])) /
                     6;
   }
-  double* closing = scratch(a, a->shard_count, 4 * sizeof *closing); /* the sum of area vectors, and of areas */
-  uint32_t* starts = scratch(a, a->shard_count, sizeof *starts);
-  if (closing == NULL || starts == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
+  const size_t mark = a->used;
+  double* closing = take(a, a->shard_count, 4 * sizeof *closing); /* the sum of area vectors, and of areas */
+  uint32_t* starts = take(a, a->shard_count, sizeof *starts);
+  a->used = mark;
   memset(closing, 0, a->shard_count * 4 * sizeof *closing);
   memset(starts, 0xff, a->shard_count * sizeof *starts);
   for (uint32_t k = 0; k < a->cell_first[a->cell_count]; ++k) {
@@ -406,17 +427,16 @@ static void join_pieces(assembly* a) {
   }
 }
 
-static bool list_links(assembly* a) {
+static void list_links(assembly* a) {
   uint32_t inside = 0, outside = 0;
   for (uint32_t i = 0; i < a->piece_count; ++i)
     if (root_of(a->piece_parents, i) == i) {
       inside += a->pieces->pieces[i].cells[1] != PIECE_OUTSIDE;
       outside += a->pieces->pieces[i].cells[1] == PIECE_OUTSIDE;
     }
+  a->records = take(a, inside + (size_t)outside, sizeof *a->records);
   a->interior_count = inside;
   a->link_count = inside + outside;
-  a->records = scratch(a, a->link_count, sizeof *a->records);
-  if (a->records == NULL) return false;
   uint32_t at_inside = 0, at_outside = inside;
   for (uint32_t i = 0; i < a->piece_count; ++i) {
     if (a->piece_parents[i] != i) continue;
@@ -431,17 +451,15 @@ static bool list_links(assembly* a) {
     }
   for (uint32_t i = 0; i < a->link_count; ++i) a->link_of[a->records[i].root] = i;
   for (uint32_t i = 0; i < a->piece_count; ++i) a->link_of[i] = a->link_of[root_of(a->piece_parents, i)];
-  return true;
 }
 
-/* The links graph: each list of neighbours is turned round, by rising link, into a rising list without doubles. */
-static bool list_neighbours(assembly* a) {
-  uint32_t* first = scratch(a, a->link_count + (size_t)2, sizeof *first);
-  uint32_t* unsorted = scratch(a, 2 * (size_t)a->pair_count, sizeof *unsorted);
-  a->near = scratch(a, 2 * (size_t)a->pair_count, sizeof *a->near);
-  a->near_count = scratch(a, a->link_count, sizeof *a->near_count);
+/* The links graph: each list of neighbours is turned round, by rising link, into a rising list without doubles, which takes the
+ * place of the pairs. */
+static void list_neighbours(assembly* a) {
+  uint32_t* first = take(a, a->link_count + (size_t)2, sizeof *first);
+  a->near_count = take(a, a->link_count, sizeof *a->near_count);
   a->near_first = first;
-  if (first == NULL || unsorted == NULL || a->near == NULL || a->near_count == NULL) return false;
+  uint32_t* unsorted = take(a, 2 * (size_t)a->pair_count, sizeof *unsorted);
   memset(first, 0, (a->link_count + (size_t)2) * sizeof *first);
   memset(a->near_count, 0, a->link_count * sizeof *a->near_count);
   for (uint32_t i = 0; i < a->pair_count; ++i) {
@@ -458,6 +476,7 @@ static bool list_neighbours(assembly* a) {
     unsorted[first[pair.a + 1]++] = pair.b;
     unsorted[first[pair.b + 1]++] = pair.a;
   }
+  a->near = (void*)a->pairs;
   a->near_total = 0;
   for (uint32_t p = 0; p < a->link_count; ++p)
     for (uint32_t k = first[p]; k < first[p + 1]; ++k) {
@@ -467,16 +486,9 @@ static bool list_neighbours(assembly* a) {
       list[a->near_count[q]++] = p;
       ++a->near_total;
     }
-  return true;
 }
 
 /* --- the result ------------------------------------------------------------------------------------------------------------- */
-
-static size_t place(size_t* size, size_t count, size_t of) {
-  const size_t at = *size;
-  *size += (count * of + SCREE_ALIGNMENT - 1) / SCREE_ALIGNMENT * SCREE_ALIGNMENT;
-  return at;
-}
 
 static void write_links(const assembly* a, scree_link* links, scree_polygon* polygons, uint32_t* corners) {
   for (uint32_t i = 0; i < a->link_count; ++i)
@@ -619,9 +631,10 @@ scree_result shards_assemble(const scree_shards_desc* desc, const shard_pieces* 
   if (result == SCREE_OK) result = measure_shards(&a);
   if (result == SCREE_OK) {
     join_pieces(&a);
-    result = list_links(&a) && list_neighbours(&a) ? write_shards(&a, out) : SCREE_ERROR_OUT_OF_MEMORY;
+    list_links(&a);
+    list_neighbours(&a);
+    result = write_shards(&a, out);
   }
-  for (uint32_t i = 0; i < a.scratch_count; ++i)
-    scree_rt_release(&allocator, a.scratch[i].memory, a.scratch[i].count, a.scratch[i].size);
+  scree_rt_release(&allocator, a.memory, a.size, 1);
   return result;
 }
