@@ -112,19 +112,23 @@ static void cut_cells(void* context, uint32_t index, uint32_t worker) {
 
 /* --- joining, in the order of seeds ----------------------------------------------------------------------------------------- */
 
-static bool add_vertex(cutting* c, shard_pieces* out, const cut_corner* corner, uint32_t* id) {
+/* Vertices and their keys are as many. */
+static bool need_vertices(cutting* c, shard_pieces* out, size_t count) {
   const scree_allocator* allocator = &c->input->allocator;
   uint32_t key_capacity = out->vertex_capacity;
-  const size_t count = out->vertex_count + (size_t)1;
-  if (count > out->vertex_capacity) {
-    if (!grow(allocator, &c->keys, &key_capacity, out->vertex_count, count, sizeof *c->keys)) return false;
-    if (!grow(allocator, &out->vertices, &out->vertex_capacity, out->vertex_count, count, 3 * sizeof *out->vertices)) {
-      /* Both stay of one length: the keys are of no more use. */
-      scree_rt_release(allocator, c->keys, key_capacity, sizeof *c->keys);
-      c->keys = NULL;
-      return false;
-    }
+  if (count <= out->vertex_capacity) return true;
+  if (!grow(allocator, &c->keys, &key_capacity, out->vertex_count, count, sizeof *c->keys)) return false;
+  if (!grow(allocator, &out->vertices, &out->vertex_capacity, out->vertex_count, count, 3 * sizeof *out->vertices)) {
+    /* Both stay of one length: the keys are of no more use. */
+    scree_rt_release(allocator, c->keys, key_capacity, sizeof *c->keys);
+    c->keys = NULL;
+    return false;
   }
+  return true;
+}
+
+static bool add_vertex(cutting* c, shard_pieces* out, const cut_corner* corner, uint32_t* id) {
+  if (!need_vertices(c, out, out->vertex_count + (size_t)1)) return false;
   *id = out->vertex_count++;
   memcpy(out->vertices + 3 * (size_t)*id, corner->position, sizeof corner->position);
   memcpy(c->keys[*id], corner->key, sizeof corner->key);
@@ -217,6 +221,16 @@ static scree_result join_block(cutting* c, shard_pieces* out, uint32_t index) {
   return SCREE_OK;
 }
 
+/* Room for what random seeds make: some 7 vertices, 8 pieces and 41 corners a cell, fewer where the solid is but few cells across.
+ */
+static bool reserve(cutting* c, shard_pieces* out) {
+  const scree_allocator* allocator = &c->input->allocator;
+  const size_t half = c->input->seed_count / 2; /* for grow takes twice as much */
+  return need_vertices(c, out, 7 * half) &&
+         grow(allocator, &out->corners, &out->corner_capacity, 0, 42 * half, sizeof *out->corners) &&
+         grow(allocator, &out->pieces, &out->piece_capacity, 0, 8 * half, sizeof *out->pieces);
+}
+
 static scree_result cut_and_join(cutting* c, shard_pieces* out) {
   const shard_input* input = c->input;
   for (uint64_t first = 0; first < input->seed_count; first += (uint64_t)c->block_count * BLOCK_CELLS) {
@@ -300,7 +314,7 @@ scree_result shard_walls_cut(const shard_input* input, shard_pieces* out) {
     result = SCREE_ERROR_OUT_OF_MEMORY;
     if (c.cells != NULL && c.blocks != NULL && c.seed_first != NULL && c.seed_end != NULL && c.solid_vertices != NULL) {
       memset(c.solid_vertices, 0xff, input->vertex_count * sizeof *c.solid_vertices);
-      result = cut_and_join(&c, out);
+      if (reserve(&c, out)) result = cut_and_join(&c, out);
     }
   }
   release(&c, out->vertex_capacity);
