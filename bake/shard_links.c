@@ -22,8 +22,14 @@ typedef struct piece_measure {
 } piece_measure;
 
 typedef struct half_edge {
-  uint32_t from, to, half, stamp;
+  uint32_t low, high, half, stamp; /* stamp: of its cell, or none any more */
 } half_edge;
+
+/* What the edges of one cell are paired in: those that rise from the lower vertex to the higher, those that fall, and a hash table.
+ */
+typedef struct edge_lists {
+  half_edge *ways[2], *table;
+} edge_lists;
 
 typedef struct half_pair {
   uint32_t a, b;
@@ -176,66 +182,80 @@ static bool list_halves(assembly* a) {
 
 /* --- edges of cells --------------------------------------------------------------------------------------------------------- */
 
-/* Finds for each edge of a cell the same edge walked the other way, and joins their halves. */
-static scree_result pair_cell(assembly* a, uint32_t cell, half_edge* table, uint32_t mask) {
+static uint32_t edge_hash(const half_edge* edge) {
+  return (edge->low * UINT32_C(0x9e3779b1) ^ edge->high * UINT32_C(0x85ebca6b)) >> 7;
+}
+
+static scree_result wrong_edge(assembly* a, uint32_t cell, const half_edge* edge) {
+  return wrong(a, "has an edge without its other side", cell, a->pieces->vertices + 3 * (size_t)edge->low);
+}
+
+/* Finds for each edge of a cell the same edge walked the other way, and joins their halves. Of several alike, the first goes with
+ * the first. The two ways are told apart without a branch, for there is nothing to foresee. */
+static scree_result pair_cell(assembly* a, uint32_t cell, const edge_lists* lists, uint32_t mask) {
   const shard_pieces* pieces = a->pieces;
-  const uint32_t stamp = 2 * cell + 2; /* + 1: paired */
-  uint32_t open = 0;
+  const uint32_t stamp = cell + 1;
+  uint32_t counts[2] = {0};
   for (uint32_t k = a->cell_first[cell]; k < a->cell_first[cell + 1]; ++k) {
     const uint32_t half = a->halves[k];
     const shard_piece* piece = pieces->pieces + half / 2;
     const uint32_t* corners = pieces->corners + piece->first_corner;
     uint32_t before = corners[piece->corner_count - 1];
     for (uint32_t i = 0; i < piece->corner_count; ++i) {
-      const uint32_t corner = corners[i];
-      const uint32_t from = half % 2 == 0 ? before : corner, to = half % 2 == 0 ? corner : before;
+      const uint32_t corner = corners[i], rises = before < corner, way = rises ^ (half & 1);
+      lists->ways[way][counts[way]++] = (half_edge){rises ? before : corner, rises ? corner : before, half, stamp};
       before = corner;
-      const uint32_t low = from < to ? from : to, high = from < to ? to : from;
-      uint32_t at = (low * UINT32_C(0x9e3779b1) ^ high * UINT32_C(0x85ebca6b)) >> 7;
-      for (;; ++at) {
-        half_edge* edge = table + (at & mask);
-        if (edge->stamp != stamp && edge->stamp != stamp + 1) {
-          *edge = (half_edge){from, to, half, stamp};
-          ++open;
-          break;
-        }
-        if (edge->stamp == stamp && edge->from == to && edge->to == from) {
-          edge->stamp = stamp + 1;
-          --open;
-          if (edge->half != half) {
-            a->pairs[a->pair_count++] = (half_pair){edge->half, half};
-            join(a->half_parents, edge->half, half);
-          }
-          break;
-        }
-      }
     }
   }
-  if (open == 0) return SCREE_OK;
+  for (uint32_t i = 0; i < counts[0]; ++i) {
+    uint32_t at = edge_hash(lists->ways[0] + i);
+    while (lists->table[at & mask].stamp == stamp) ++at;
+    lists->table[at & mask] = lists->ways[0][i];
+  }
+  for (uint32_t i = 0; i < counts[1]; ++i) {
+    const half_edge* edge = lists->ways[1] + i;
+    uint32_t at = edge_hash(edge);
+    half_edge* other = lists->table + (at & mask);
+    while (other->stamp == stamp && (other->low != edge->low || other->high != edge->high || other->half == UINT32_MAX))
+      other = lists->table + (++at & mask);
+    if (other->stamp != stamp) return wrong_edge(a, cell, edge);
+    if (other->half != edge->half) {
+      a->pairs[a->pair_count++] = (half_pair){other->half, edge->half};
+      join(a->half_parents, other->half, edge->half);
+    }
+    other->half = UINT32_MAX;
+  }
+  if (counts[0] == counts[1]) return SCREE_OK;
   for (uint32_t i = 0; i <= mask; ++i)
-    if (table[i].stamp == stamp)
-      return wrong(a, "has an edge without its other side", cell, pieces->vertices + 3 * (size_t)table[i].from);
+    if (lists->table[i].stamp == stamp && lists->table[i].half != UINT32_MAX) return wrong_edge(a, cell, lists->table + i);
   return SCREE_ERROR_UNSUPPORTED;
 }
 
+static uint32_t edges_of(const assembly* a, uint32_t cell) {
+  uint32_t edges = 0;
+  for (uint32_t k = a->cell_first[cell]; k < a->cell_first[cell + 1]; ++k)
+    edges += a->pieces->pieces[a->halves[k] / 2].corner_count;
+  return edges;
+}
+
 static scree_result pair_edges(assembly* a) {
-  uint32_t most = 0, size = 64;
+  uint32_t most = 1, size = 64;
   for (uint32_t cell = 0; cell < a->cell_count; ++cell) {
-    uint32_t edges = 0;
-    for (uint32_t k = a->cell_first[cell]; k < a->cell_first[cell + 1]; ++k)
-      edges += a->pieces->pieces[a->halves[k] / 2].corner_count;
+    const uint32_t edges = edges_of(a, cell);
     most = edges > most ? edges : most;
   }
   while (size < 2 * (uint64_t)most && size < UINT32_C(1) << 31) size *= 2;
+  half_edge* both = scree_rt_allocate(a->allocator, most, 2 * sizeof *both);
   half_edge* table = scree_rt_allocate_zeroed(a->allocator, size, sizeof *table);
-  scree_result result = table == NULL ? SCREE_ERROR_OUT_OF_MEMORY : SCREE_OK;
+  scree_result result = both == NULL || table == NULL ? SCREE_ERROR_OUT_OF_MEMORY : SCREE_OK;
   for (uint32_t cell = 0; cell < a->cell_count && result == SCREE_OK; ++cell) {
-    uint32_t edges = 0, part = 63;
-    for (uint32_t k = a->cell_first[cell]; k < a->cell_first[cell + 1]; ++k)
-      edges += a->pieces->pieces[a->halves[k] / 2].corner_count;
+    const uint32_t edges = edges_of(a, cell);
+    uint32_t part = 63;
     while (part < 2 * (uint64_t)edges && part < size - 1) part = 2 * part + 1;
-    result = pair_cell(a, cell, table, part);
+    const edge_lists lists = {.ways = {both, both + most}, .table = table};
+    result = pair_cell(a, cell, &lists, part);
   }
+  scree_rt_release(a->allocator, both, most, 2 * sizeof *both);
   scree_rt_release(a->allocator, table, size, sizeof *table);
   return result;
 }

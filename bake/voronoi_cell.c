@@ -229,23 +229,27 @@ static scree_result cut(voronoi_cell* cell, const voronoi_plane* plane) {
     cell->corner_count = 0;
     return SCREE_OK;
   }
-  if (!need_edges(cell, removed + (size_t)2) || !need_corners(cell, count + (size_t)2) ||
+  if (!need_edges(cell, 3 * (size_t)removed + 1) || !need_corners(cell, count + (size_t)2) ||
       !need_planes(cell, cell->plane_count + (size_t)1))
     return SCREE_ERROR_OUT_OF_MEMORY;
 
+  /* Written whether or not it is one: what lies beyond cannot be foreseen. */
   hole_edge* edges = cell->edges;
   uint32_t edge_count = 0;
-  const uint32_t stamp = ++cell->stamp;
   for (uint32_t k = 0; k < removed; ++k) {
     const voronoi_corner* corner = cell->corners + cell->removed[k];
     for (int side = 0; side < 3; ++side) {
-      if (is_outside(cell, corner->corners[side])) continue;
-      const uint32_t a = corner->planes[side], b = corner->planes[side == 2 ? 0 : side + 1];
-      if (edge_count == removed + 2 || cell->marks[2 * (size_t)a] == stamp) return SCREE_ERROR_UNSUPPORTED;
-      cell->marks[2 * (size_t)a] = stamp;
-      cell->marks[2 * (size_t)a + 1] = edge_count;
-      edges[edge_count++] = (hole_edge){a, b, corner->corners[side]};
+      edges[edge_count] = (hole_edge){corner->planes[side], corner->planes[side == 2 ? 0 : side + 1], corner->corners[side]};
+      edge_count += !is_outside(cell, corner->corners[side]);
     }
+  }
+  if (edge_count > removed + 2) return SCREE_ERROR_UNSUPPORTED;
+  const uint32_t stamp = ++cell->stamp;
+  for (uint32_t k = 0; k < edge_count; ++k) {
+    uint32_t* mark = cell->marks + 2 * (size_t)edges[k].a;
+    if (mark[0] == stamp) return SCREE_ERROR_UNSUPPORTED;
+    mark[0] = stamp;
+    mark[1] = k;
   }
   if (edge_count < 3) return SCREE_ERROR_UNSUPPORTED;
 
