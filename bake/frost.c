@@ -88,6 +88,11 @@ static scree_result need_stability(scree_frost* f, const scree_frost_rules* rule
   return result;
 }
 
+/* Whether what rests on the lowest place is held: the paper's own way knows of no such thing. */
+static void find_rests(scree_frost* f) {
+  f->rests = f->rules.strength > 0 ? frost_stability_rests(f->stability, f->tables.gravity) : NULL;
+}
+
 scree_result scree_frost_create(const scree_frost_desc* desc, scree_frost** out, scree_error* error) {
   *out = NULL;
   scree_result result = check(desc, error);
@@ -117,6 +122,7 @@ scree_result scree_frost_create(const scree_frost_desc* desc, scree_frost** out,
     return result;
   }
   f->stats.memory += f->tables.size;
+  find_rests(f);
   start_state(f, desc->states);
   *out = f;
   return SCREE_OK;
@@ -155,6 +161,7 @@ scree_result scree_frost_set_rules(scree_frost* f, const scree_frost_rules* rule
   f->tables = tables;
   f->rules = *rules;
   forget_pointers(&f->rules);
+  find_rests(f);
   frost_derive(f);
   return SCREE_OK;
 }

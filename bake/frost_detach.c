@@ -1,7 +1,8 @@
 /* What falls when a link breaks. The paper finds the connected components of all shards at each breakage; here two searches go out
  * from both ends by turns and stop as soon as the answer is known, which in a Voronoi diagram is after two or three shards. The
  * result is the components': of two parts that no unbroken link joins, the one without core shards falls where the other has some;
- * where neither has, the one of fewer shards, and of equal ones that of the link's second shard; where both have, none. */
+ * where neither has, the one of fewer shards, and of equal ones that of the link's second shard; where both have, none. With
+ * stability, and as long as nothing is core, shards that rest on the lowest place are as core ones: frost_holds. */
 #include <string.h>
 
 #include "frost_internal.h"
@@ -131,13 +132,13 @@ void frost_unblock(scree_frost* f, uint32_t shard) {
 typedef struct search {
   uint32_t* queue;
   uint32_t head, count, mark;
-  bool core;
+  bool core; /* it has a shard that holds */
 } search;
 
 static search begin(scree_frost* f, uint32_t* queue, uint32_t shard, uint32_t mark) {
   queue[0] = shard;
   f->marks[shard] = mark;
-  return (search){queue, 0, 1, mark, f->states[shard] == SCREE_SHARD_CORE};
+  return (search){queue, 0, 1, mark, frost_holds(f, shard)};
 }
 
 static bool done(const search* s) {
@@ -156,7 +157,7 @@ static bool advance(scree_frost* f, search* s, uint32_t others) {
     if (f->marks[other] == s->mark) continue;
     f->marks[other] = s->mark;
     s->queue[s->count++] = other;
-    s->core = s->core || f->states[other] == SCREE_SHARD_CORE;
+    s->core = s->core || frost_holds(f, other);
   }
   return false;
 }
@@ -199,6 +200,11 @@ void frost_take_shard(scree_frost* f, uint32_t shard) {
   uint32_t parts = 0, total = 0, largest = 0, largest_count = 0, largest_lowest = 0;
   bool any_core = false;
   f->marks[shard] = mark;
+  if (f->states[shard] == SCREE_SHARD_CORE) { /* what holds is to be told by what is left */
+    f->states[shard] = SCREE_SHARD_SOLID;
+    --f->stats.core;
+    ++f->stats.solid;
+  }
   uint32_t* queue = f->queues[0]; /* part after part: those that may fall start where `starts` says */
   uint32_t* starts = f->queues[1];
   for (uint32_t k = 0; k < s->link_count; ++k) {
@@ -224,7 +230,7 @@ void frost_take_shard(scree_frost* f, uint32_t shard) {
   for (uint32_t p = 0; p < parts; ++p) {
     const uint32_t end = p + 1 < parts ? starts[p + 1] : total;
     bool core = false;
-    for (uint32_t i = starts[p]; i < end; ++i) core = core || f->states[queue[i]] == SCREE_SHARD_CORE;
+    for (uint32_t i = starts[p]; i < end; ++i) core = core || frost_holds(f, queue[i]);
     if (any_core ? !core : p != largest) fall(f, queue + starts[p], end - starts[p]);
   }
 }

@@ -64,6 +64,7 @@ struct scree_frost {
   scree_frost_stats stats; /* its `volume` is kept by sums; memory too */
   uint32_t unchecked;      /* breaks since stability was looked at */
   frost_stability* stability;
+  const uint8_t* rests; /* of the stability's, where the rules have strength, else NULL */
 
   /* What fell and was kept, in the order of falling: a shard is in at most one block. */
   scree_block* blocks;
@@ -82,6 +83,12 @@ struct scree_frost {
 
 static inline bool frost_stands(const scree_frost* f, uint32_t shard) {
   return f->states[shard] != SCREE_SHARD_AIR;
+}
+
+/* Whether what hangs together with the shard stays: it is core, or, with stability and without core, rests on the lowest place. */
+static inline bool frost_holds(const scree_frost* f, uint32_t shard) {
+  if (f->states[shard] == SCREE_SHARD_CORE) return true;
+  return f->rests != NULL && f->stats.core == 0 && f->rests[shard] != 0;
 }
 
 /* The shard on the other side of a link: SCREE_NO_SHARD for the outside. */

@@ -12,7 +12,8 @@ static uint32_t weigh(const scree_frost* f) {
   return frost_stability_weigh(f->stability, &state);
 }
 
-/* More than one round is needed only where no shard is core and what breaks off is the larger part, so that the rest falls. */
+/* One round is enough: what breaks off has nothing that is supported, so that it falls, not what it hung on. The loop is there
+ * because that is how the promise is made. */
 uint32_t frost_stability_break(scree_frost* f) {
   uint32_t total = 0;
   for (uint32_t groups; (groups = weigh(f)) > 0; total += groups) {

@@ -27,10 +27,10 @@ typedef struct group_sums {
 struct frost_stability {
   scree_allocator allocator;
   scree_shards_view view;
-  symmetric* spread;  /* K of each interior link */
-  double* lowest;     /* of each shard: how far along `gravity` it reaches */
-  double gravity[3];  /* that `lowest` is of, unit; 0 before the first call */
-  double floor, span; /* of the solid along it */
+  symmetric* spread; /* K of each interior link */
+  double* lowest;    /* of each shard: how far along `gravity` it reaches */
+  uint8_t* rests;    /* of each shard: 1 where that is the lowest place of all */
+  double gravity[3]; /* that these are of, unit; 0 before the first call */
   uint32_t* level;
   uint32_t* queue;  /* shards by level */
   uint32_t* root;   /* union-find */
@@ -81,6 +81,7 @@ static void release_all(frost_stability* s) {
   const uint32_t shards = s->view.shard_count, links = s->view.interior_link_count;
   scree_rt_release(&a, s->spread, links, sizeof *s->spread);
   scree_rt_release(&a, s->lowest, shards, sizeof *s->lowest);
+  scree_rt_release(&a, s->rests, shards, sizeof *s->rests);
   scree_rt_release(&a, s->level, shards, sizeof *s->level);
   scree_rt_release(&a, s->queue, shards, sizeof *s->queue);
   scree_rt_release(&a, s->root, shards, sizeof *s->root);
@@ -100,14 +101,15 @@ scree_result frost_stability_create(const scree_shards* shards, const scree_allo
   const uint32_t count = s->view.shard_count, links = s->view.interior_link_count;
   s->spread = scree_rt_allocate(&a, links, sizeof *s->spread);
   s->lowest = scree_rt_allocate(&a, count, sizeof *s->lowest);
+  s->rests = scree_rt_allocate(&a, count, sizeof *s->rests);
   s->level = scree_rt_allocate(&a, count, sizeof *s->level);
   s->queue = scree_rt_allocate(&a, count, sizeof *s->queue);
   s->root = scree_rt_allocate(&a, count, sizeof *s->root);
   s->groups = scree_rt_allocate(&a, count, sizeof *s->groups);
   s->sums = scree_rt_allocate(&a, count, sizeof *s->sums);
   s->cuts = scree_rt_allocate(&a, links, sizeof *s->cuts);
-  if ((links > 0 && (s->spread == NULL || s->cuts == NULL)) || s->lowest == NULL || s->level == NULL || s->queue == NULL ||
-      s->root == NULL || s->groups == NULL || s->sums == NULL) {
+  if ((links > 0 && (s->spread == NULL || s->cuts == NULL)) || s->lowest == NULL || s->rests == NULL || s->level == NULL ||
+      s->queue == NULL || s->root == NULL || s->groups == NULL || s->sums == NULL) {
     release_all(s);
     return SCREE_ERROR_OUT_OF_MEMORY;
   }
@@ -122,13 +124,14 @@ void frost_stability_destroy(frost_stability* stability) {
 
 size_t frost_stability_memory(const frost_stability* s) {
   return sizeof *s + s->view.interior_link_count * (sizeof *s->spread + sizeof *s->cuts) +
-         s->view.shard_count *
-             (sizeof *s->lowest + sizeof *s->level + sizeof *s->queue + sizeof *s->root + sizeof *s->groups + sizeof *s->sums);
+         s->view.shard_count * (sizeof *s->lowest + sizeof *s->rests + sizeof *s->level + sizeof *s->queue + sizeof *s->root +
+                                sizeof *s->groups + sizeof *s->sums);
 }
 
-/* How far along gravity each shard reaches, where gravity is another than last time. */
-static void find_lowest(frost_stability* s, const double unit[3]) {
-  if (memcmp(s->gravity, unit, sizeof s->gravity) == 0) return;
+const uint8_t* frost_stability_rests(frost_stability* s, const double gravity[3]) {
+  const double length = sqrt(dot(gravity, gravity));
+  const double unit[3] = {gravity[0] / length, gravity[1] / length, gravity[2] / length};
+  if (memcmp(s->gravity, unit, sizeof s->gravity) == 0) return s->rests;
   memcpy(s->gravity, unit, sizeof s->gravity);
   const scree_shards_view* v = &s->view;
   double least = INFINITY, most = -INFINITY;
@@ -149,8 +152,8 @@ static void find_lowest(frost_stability* s, const double unit[3]) {
     s->lowest[i] = low;
     if (low > most) most = low;
   }
-  s->floor = most;
-  s->span = most - least;
+  for (uint32_t i = 0; i < v->shard_count; ++i) s->rests[i] = most - s->lowest[i] <= 1e-6 * (most - least);
+  return s->rests;
 }
 
 /* Levels, breadth first. Returns how many shards have one; they are the queue's first, by level. */
@@ -160,8 +163,7 @@ static uint32_t find_levels(frost_stability* s, const frost_stability_state* sta
   for (uint32_t i = 0; i < v->shard_count && !core; ++i) core = state->states[i] == SCREE_SHARD_CORE;
   uint32_t met = 0;
   for (uint32_t i = 0; i < v->shard_count; ++i) {
-    const bool supported = core ? state->states[i] == SCREE_SHARD_CORE
-                                : state->states[i] != SCREE_SHARD_AIR && s->floor - s->lowest[i] <= 1e-6 * s->span;
+    const bool supported = core ? state->states[i] == SCREE_SHARD_CORE : state->states[i] != SCREE_SHARD_AIR && s->rests[i] != 0;
     s->level[i] = supported ? 0 : NO_LEVEL;
     if (supported) s->queue[met++] = i;
   }
@@ -344,12 +346,9 @@ static uint32_t weigh_level(frost_stability* s, const frost_stability_state* sta
 uint32_t frost_stability_weigh(frost_stability* s, const frost_stability_state* state) {
   s->cut_count = 0;
   const double length = sqrt(dot(state->gravity, state->gravity));
-  double unit[3], weight[3];
-  for (int axis = 0; axis < 3; ++axis) {
-    unit[axis] = state->gravity[axis] / length;
-    weight[axis] = unit[axis] * (GRAVITY * state->density);
-  }
-  find_lowest(s, unit);
+  double weight[3];
+  for (int axis = 0; axis < 3; ++axis) weight[axis] = state->gravity[axis] / length * (GRAVITY * state->density);
+  frost_stability_rests(s, state->gravity);
   uint32_t broken = 0;
   for (uint32_t end = find_levels(s, state), first; end > 0; end = first) {
     const uint32_t level = s->level[s->queue[end - 1]];

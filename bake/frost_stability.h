@@ -45,6 +45,10 @@ scree_result frost_stability_create(const scree_shards* shards, const scree_allo
 void frost_stability_destroy(frost_stability* stability); /* NULL is allowed */
 size_t frost_stability_memory(const frost_stability* stability);
 
+/* Of each shard: 1 where it has a vertex within 1e-6 of the solid's extent along gravity from its lowest place. Such shards are the
+ * supported ones where none is core. Stays where it is, and true until the next call with another gravity. Allocates nothing. */
+const uint8_t* frost_stability_rests(frost_stability* stability, const double gravity[3]);
+
 /* How many groups break off; their cuts' links are then frost_stability_cuts, the farthest group's first, until the next call.
  * Allocates nothing. Time: in proportion to shards and links. */
 uint32_t frost_stability_weigh(frost_stability* stability, const frost_stability_state* state);

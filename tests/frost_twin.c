@@ -149,6 +149,26 @@ static void fall(frost_twin* t, uint32_t falling, bool walk) {
   for (uint32_t l = 0; walk && l < v->link_count; ++l) t->walk_differs += t->walked[l] != t->exterior[l];
 }
 
+/* With stability and without core: whether the shard reaches down to the lowest place there is. */
+static bool rests(const frost_twin* t, uint32_t shard) {
+  const scree_shards_view* v = &t->like->view;
+  const double* g = t->like->tables.gravity;
+  if (!(t->like->rules.strength > 0)) return false;
+  for (uint32_t s = 0; s < v->shard_count; ++s)
+    if (t->states[s] == SCREE_SHARD_CORE) return false;
+  double low[2] = {-INFINITY, -INFINITY}, high = INFINITY; /* of all, and of this one */
+  for (uint32_t l = 0; l < v->link_count; ++l)
+    for (uint32_t p = v->links[l].first_polygon; p < v->links[l].first_polygon + v->links[l].polygon_count; ++p)
+      for (uint32_t c = 0; c < v->polygons[p].corner_count; ++c) {
+        const double* at = v->vertices + 3 * (size_t)v->corners[v->polygons[p].first_corner + c];
+        const double along = g[0] * at[0] + g[1] * at[1] + g[2] * at[2];
+        low[0] = fmax(low[0], along);
+        high = fmin(high, along);
+        if (v->links[l].shards[0] == shard || v->links[l].shards[1] == shard) low[1] = fmax(low[1], along);
+      }
+  return low[0] - low[1] <= 1e-6 * (low[0] - high);
+}
+
 static void break_link(frost_twin* t, uint32_t link, bool walk) {
   const scree_shards_view* v = &t->like->view;
   const uint32_t* ends = v->links[link].shards;
@@ -165,7 +185,7 @@ static void break_link(frost_twin* t, uint32_t link, bool walk) {
     for (int i = 0; i < 2; ++i)
       if (t->labels[s] == labels[i]) {
         ++sizes[i];
-        cores[i] += t->states[s] == SCREE_SHARD_CORE;
+        cores[i] += t->states[s] == SCREE_SHARD_CORE || rests(t, s);
       }
   if (cores[0] > 0 && cores[1] > 0) return;
   uint32_t loser = sizes[0] < sizes[1] ? 0 : 1;

@@ -56,6 +56,49 @@ static void of_two_parts_the_smaller_falls_unless_it_has_core(void** state) {
   scree_shards_destroy(shards);
 }
 
+static void with_stability_what_rests_stays(void** state) {
+  (void)state;
+  const uint32_t size[3] = {1, 5, 1};
+  scree_shards* shards = make_lattice(size, 0, NULL);
+  static const struct {
+    uint8_t states[5]; /* from below */
+    uint32_t cut;
+    double strength;
+    double gravity; /* along y */
+    uint8_t after[5];
+  } cases[] = {
+      {{0, 0, 0, 0, 0}, 0, 0, -1, {1, 0, 0, 0, 0}},   /* the paper's: the smaller part falls */
+      {{0, 0, 0, 0, 0}, 0, 1e9, -1, {0, 1, 1, 1, 1}}, /* the lowest carries */
+      {{0, 0, 0, 0, 0}, 0, 1e9, 1, {1, 0, 0, 0, 0}},  /* gravity upwards: the other end is the lowest */
+      {{0, 0, 0, 2, 0}, 0, 1e9, -1, {1, 0, 0, 2, 0}}, /* with core, core alone carries */
+      {{1, 0, 0, 0, 0}, 1, 1e9, -1, {1, 1, 0, 0, 0}}, /* nothing rests */
+  };
+  for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+    scree_frost_rules rules;
+    scree_frost_rules_default(&rules);
+    rules.gravity[1] = cases[i].gravity;
+    scree_frost* f = must_freeze(shards, &rules, cases[i].states, 1);
+    rules.strength = cases[i].strength; /* from now on */
+    assert_int_equal(scree_frost_set_rules(f, &rules, NULL), SCREE_OK);
+    assert_int_equal(scree_frost_set_life(f, link_between(&shards->view, cases[i].cut, cases[i].cut + 1), 0), SCREE_OK);
+    assert_memory_equal(f->states, cases[i].after, 5);
+    scree_frost_destroy(f);
+  }
+  /* The last core shard is taken: what rests carries from then on, and of the two parts that it leaves the upper one falls. */
+  scree_frost_rules rules;
+  scree_frost_rules_default(&rules);
+  rules.strength = 1e9;
+  const uint8_t states[5] = {0, 2, 0, 0, 0}, after[5] = {0, 1, 1, 1, 1};
+  scree_frost* f = must_freeze(shards, &rules, states, 1);
+  assert_int_equal(scree_frost_set_shard(f, 1, SCREE_SHARD_AIR), SCREE_OK);
+  assert_memory_equal(f->states, after, 5);
+  assert_int_equal(stats_of(f).solid, 1);
+  assert_int_equal(stats_of(f).core, 0);
+  assert_int_equal(stats_of(f).air, 4);
+  scree_frost_destroy(f);
+  scree_shards_destroy(shards);
+}
+
 static void what_an_edit_leaves_hanging_falls(void** state) {
   (void)state;
   const uint32_t size[3] = {5, 3, 1}; /* a cross beam on a post: shards x + 5 y */
@@ -664,6 +707,7 @@ int main(void) {
       cmocka_unit_test(a_run_ends_where_the_stats_say_that_the_share_is_reached),
       cmocka_unit_test(weight_knows_only_the_direction_of_gravity),
       cmocka_unit_test(of_two_parts_the_smaller_falls_unless_it_has_core),
+      cmocka_unit_test(with_stability_what_rests_stays),
       cmocka_unit_test(what_an_edit_leaves_hanging_falls),
       cmocka_unit_test(a_pocket_is_exterior_when_it_is_opened),
       cmocka_unit_test(steps_after_edits_are_the_twins),

@@ -7,7 +7,8 @@
  * with a probability in proportion to max(gravity . (x_j - x_i) / |x_j - x_i|, 0) * (1 - life_j * resistance_j), and each link
  * takes water and, while it lives, damage. A link whose life is used up is broken, and where that leaves two parts that no unbroken
  * links join, one falls and is air: the one without core shards where the other has some, else the one of fewer shards, and of
- * equal ones that of the link's second shard; none where both have core. What stands apart from the start stays so.
+ * equal ones that of the link's second shard; none where both have core. What stands apart from the start stays so. With stability
+ * on (strength > 0), and as long as no shard is core, supported shards count as core here, so that what rests does not fall.
  *
  * Where the paper leaves it open: water runs over broken links as long as they have rock on one side, and these absorb as air;
  * what the random event of total absorption takes harms no link; a breakage is dealt with before water goes on; air joins the
@@ -86,7 +87,7 @@ typedef struct scree_frost_rules {
                        1 = every shard for itself, 0 = in one */
   /* Stability, off where strength is 0. See scree_frost_check_stability for the rule. */
   double density;              /* kg per cubic metre */
-  double strength;             /* tensile, of a link of life 1, pascals; 0 = off */
+  double strength;             /* tensile, of a link of life 1, pascals; 0 = off: the paper's way */
   double compression;          /* compressive strength as a multiple of the tensile one, >= 1 */
   uint32_t stability_interval; /* breakages between checks, >= 1; each step call ends with one too */
 } scree_frost_rules;
@@ -169,9 +170,8 @@ SCREE_API uint32_t scree_frost_last_path(const scree_frost* frost, uint32_t* lin
  * what is left is shear q. The group breaks off where some s + q > strength or -s > compression * strength. Groups are taken from
  * the farthest in, each without those that broke off before. For a plane cut this is the section of a beam: normal force, bending,
  * transverse force and torsion. It assumes: rigid groups on links that give alike and linearly, links that all share the load, no
- * help from friction or from pressure against what is not linked; where nothing is supported, nothing breaks. Without core shards
- * the larger part is what stands when a group breaks off: make core what carries. Returns the number of groups that the rule would
- * break now: 0 after every step with strength on, and where it is off.
+ * help from friction or from pressure against what is not linked; where nothing is supported, nothing breaks. Returns the number of
+ * groups that the rule would break now: 0 after every step with strength on, and where it is off.
  */
 SCREE_API uint32_t scree_frost_check_stability(const scree_frost* frost);
 

@@ -62,8 +62,9 @@ typedef struct scree_shard_input {
 typedef struct scree_shard_seeds {
   scree_seed_kind kind;
   uint32_t count; /* 0 = by spacing; RANDOM: one in each spacing^3 of the volume */
-  double spacing, spacing_end, grade[3], length, jitter, up[3], stretch[3];
-  double layers[SCREE_SHARD_LAYERS]; /* SLABS */
+  double spacing, spacing_end, grade[3], jitter, up[3], stretch[3]; /* stretch: all lengths here are before it */
+  double length;                                                    /* COLUMNS: joints end up length * stretch[1] apart */
+  double layers[SCREE_SHARD_LAYERS];                                /* SLABS */
   uint32_t layer_count;
   double points[SCREE_SHARD_POINTS][3]; /* POINTS */
   uint32_t point_count;

@@ -87,7 +87,8 @@ typedef struct scree_seed_pattern {
   double spacing;       /* GRID, COLUMNS, SLABS: between seeds; POISSON: the radius at the lower end; > 0 unless count is given */
   double spacing_end;   /* POISSON: the radius at the upper end; 0 = spacing */
   double grade[3];      /* POISSON: the direction along which the radius changes, over the extent of the solid; all zero = up */
-  double length;        /* COLUMNS: of a column until a cross joint, each column's joints at random heights; 0 = endless */
+  double length;        /* COLUMNS: of a column until a cross joint, before stretch[1], so that joints end up length * stretch[1]
+                           apart; each column's are at random heights; 0 = endless */
   const double* layers; /* SLABS: thicknesses from below, repeated; NULL = all `spacing` */
   uint32_t layer_count;
   double jitter;        /* GRID, COLUMNS, SLABS: 0..1 */
