@@ -197,12 +197,12 @@ typedef struct scree_block {
 SCREE_API uint32_t scree_frost_blocks(const scree_frost* frost, const scree_block** blocks, const uint32_t** shards);
 
 /* Blocks come to rest, in the order of falling, on what stands now, on the ground and on each other. Each is a rigid body, the hull
- * of its shards: it leaves the rock, rather along its push, drops along gravity, lies down on one of its largest faces, goes down the
- * steepest way while that is steeper than its repose, a little farther by what it fell, never through rock or a roof, and is then
- * turned until its centre of mass is as low as it can be there; what stands on end falls over where there is room. No centre of mass
- * rests higher than it was: a block whose only way out of the rock is up is not there. Larger blocks roll farther. Columns of
- * intervals (dexels) along gravity say what is solid: a block touches what it lies on, and is in others by about a column at most;
- * between columns nothing is known, and what is thinner than a tenth of one is dust. */
+ * of its shards: it leaves the rock, rather along its push, drops along gravity, lies down on one of its largest faces, goes down
+ * the steepest way while that is steeper than its repose, a little farther by what it fell, never through rock or a roof, and is
+ * then turned until its centre of mass is as low as it can be there; what stands on end falls over where there is room. No centre
+ * of mass rests higher than it was: a block whose only way out of the rock is up is not there. Larger blocks roll farther. Columns
+ * of intervals (dexels) along gravity say what is solid: a block touches what it lies on, and is in others by about a column at
+ * most; between columns nothing is known, and what is thinner than a tenth of one is dust. */
 typedef struct scree_rubble scree_rubble;
 
 typedef struct scree_rubble_desc {
