@@ -21,7 +21,7 @@ bool rubble_clear(const rubble_mover* m, const int32_t from[2], const int32_t to
 
 /* Directions by how far they go along the push, the farthest first. */
 static void sort_directions(const double push[3], int out[RUBBLE_DIRECTIONS]) {
-  double along[RUBBLE_DIRECTIONS];
+  double along[RUBBLE_DIRECTIONS] = {0};
   for (int k = 0; k < RUBBLE_DIRECTIONS; ++k) {
     const double value = (push[0] * rubble_directions[k][0] + push[2] * rubble_directions[k][1]) * (k % 2 ? sqrt(0.5) : 1);
     int n = k;

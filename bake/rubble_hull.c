@@ -166,7 +166,7 @@ static double depth_below(const rubble_hull* hull, const double normal[3], const
 /* Triangles that look nearly the same way are one face. */
 static void find_faces(rubble_hull* hull) {
   bool done[HULL_TRIANGLES] = {false};
-  double vectors[HULL_TRIANGLES][3], areas[HULL_TRIANGLES];
+  double vectors[HULL_TRIANGLES][3], areas[HULL_TRIANGLES] = {0};
   for (uint32_t t = 0; t < hull->triangle_count; ++t) {
     area_vector(hull, hull->triangles[t], vectors[t]);
     areas[t] = sqrt(vectors[t][0] * vectors[t][0] + vectors[t][1] * vectors[t][1] + vectors[t][2] * vectors[t][2]);
