@@ -1,4 +1,5 @@
-/* Is a triangle mesh the border of a solid: every edge used once in each direction, and the right side out? */
+/* Is a triangle mesh the border of a solid: every edge used as often in one direction as in the other, and the right side out? More
+ * than once each way is where solids touch along an edge: winding numbers, which decide what is inside, are whole there too. */
 #include "allocator.h"
 #include "edge_table.h"
 #include "support_mesh.h"
@@ -24,7 +25,9 @@ static scree_result refuse_edge(scree_error* error, uint32_t shape_index, uint32
   return SCREE_ERROR_NOT_CLOSED;
 }
 
-static scree_result check_edges(const scree_shape* shape, uint32_t shape_index, const edge_table* table, scree_error* error) {
+/* excess: of each place of the table, how many more triangles use the edge from its lower vertex to its higher than back. */
+static scree_result check_edges(const scree_shape* shape, uint32_t shape_index, const edge_table* table, int32_t* excess,
+                                scree_error* error) {
   for (uint32_t t = 0; t < shape->mesh.triangle_count; ++t) {
     const uint32_t* v = shape->mesh.indices + (size_t)3 * t;
     for (int k = 0; k < 3; ++k) {
@@ -38,17 +41,20 @@ static scree_result check_edges(const scree_shape* shape, uint32_t shape_index, 
         scree_rt_text_add(error, " twice");
         return SCREE_ERROR_INVALID_ARGUMENT;
       }
-      uint64_t* place = edge_place(table, edge_key(from, to));
-      if (*place != 0) return refuse_edge(error, shape_index, from, to, t, " is used by another triangle in the same direction");
-      *place = edge_key(from, to);
+      const uint64_t key = from < to ? edge_key(from, to) : edge_key(to, from);
+      uint64_t* place = edge_place(table, key);
+      *place = key;
+      excess[place - table->edges] += from < to ? 1 : -1;
     }
   }
   for (uint32_t t = 0; t < shape->mesh.triangle_count; ++t) {
     const uint32_t* v = shape->mesh.indices + (size_t)3 * t;
     for (int k = 0; k < 3; ++k) {
       uint32_t from = v[k], to = v[(k + 1) % 3];
-      if (*edge_place(table, edge_key(to, from)) == 0)
-        return refuse_edge(error, shape_index, from, to, t, " has no triangle on its other side");
+      const uint64_t* place = edge_place(table, from < to ? edge_key(from, to) : edge_key(to, from));
+      const int32_t more = from < to ? excess[place - table->edges] : -excess[place - table->edges];
+      if (more == 1) return refuse_edge(error, shape_index, from, to, t, " has no triangle on its other side");
+      if (more > 1) return refuse_edge(error, shape_index, from, to, t, " is used by another triangle in the same direction");
     }
   }
   return SCREE_OK;
@@ -74,8 +80,10 @@ scree_result scree_rt_support_mesh_check(const scree_shape* shape, uint32_t shap
   edge_table table = {NULL, 16};
   while (table.size < (size_t)6 * shape->mesh.triangle_count) table.size *= 2;
   table.edges = scree_rt_allocate_zeroed(allocator, table.size, sizeof *table.edges);
-  if (table.edges == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
-  scree_result result = check_edges(shape, shape_index, &table, error);
+  int32_t* excess = scree_rt_allocate_zeroed(allocator, table.size, sizeof *excess);
+  scree_result result = SCREE_ERROR_OUT_OF_MEMORY;
+  if (table.edges != NULL && excess != NULL) result = check_edges(shape, shape_index, &table, excess, error);
+  scree_rt_release(allocator, excess, table.size, sizeof *excess);
   scree_rt_release(allocator, table.edges, table.size, sizeof *table.edges);
   if (result != SCREE_OK) return result;
 

@@ -188,7 +188,7 @@ static void broken_meshes_are_refused_by_edge(void** state) {
   REFUSED(s.mesh.resolution = 513, RANGE, "mesh.resolution is 513");
   REFUSED(indices[5] = 4, RANGE, "mesh.indices[5] is 4, but there are only 4 vertices");
   REFUSED(indices[4] = 0, INVALID_ARGUMENT, "triangle 1 uses vertex 0 twice");
-  REFUSED((indices[0] = 0, indices[1] = 1, indices[2] = 2), NOT_CLOSED, "edge from vertex 0 to 1 of triangle 1 is used by another");
+  REFUSED((indices[0] = 0, indices[1] = 1, indices[2] = 2), NOT_CLOSED, "edge from vertex 0 to 1 of triangle 0 is used by another");
   REFUSED((positions[0] = NAN), RANGE, "mesh.positions[0]");
   positions[0] = 0;
   const uint32_t turned[12] = {2, 0, 1, 1, 0, 3, 3, 0, 2, 2, 1, 3};
@@ -208,6 +208,35 @@ static void broken_meshes_are_refused_by_edge(void** state) {
   const scree_shape shapes[2] = {{.kind = SCREE_SHAPE_SPHERE, .sphere = {1}}, box};
   assert_refused(shapes, 2, SCREE_ERROR_NOT_CLOSED,
                  "shape 1: mesh is not closed: the edge from vertex 5 to 7 of triangle 2 has no triangle");
+}
+
+/* Two boxes on a diagonal share an edge, which four triangles use. */
+static void boxes_that_touch_along_an_edge_are_one_closed_mesh(void** state) {
+  (void)state;
+  static const uint32_t sides[36] = {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4,
+                                     2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5};
+  float corners[48];
+  uint32_t indices[72];
+  for (int v = 0; v < 16; ++v)
+    for (int a = 0; a < 3; ++a) corners[3 * v + a] = (float)((v & 7) >> a & 1) + (v >= 8 && a < 2 ? 1 : 0);
+  for (int i = 0; i < 36; ++i) {
+    const uint32_t v = sides[i];
+    indices[i] = v;
+    indices[36 + i] = v == 0 ? 3 : v == 4 ? 7 : v + 8; /* the edge x = y = 1 is the first box's */
+  }
+  const scree_shape s = {.kind = SCREE_SHAPE_MESH, .mesh = {corners, indices, 16, 24, 16}};
+  scree_support* support;
+  scree_error error;
+  assert_int_equal(scree_support_create(&(scree_support_desc){.shapes = &s, .shape_count = 1}, NULL, &support, &error), SCREE_OK);
+  const float x[4] = {0.5f, 1.5f, 1.5f, 0.5f}, y[4] = {0.5f, 1.5f, 0.5f, 1.5f}, z[4] = {0.5f, 0.5f, 0.5f, 0.5f};
+  float distance[4];
+  scree_support_distance(support, x, y, z, distance, 4);
+  assert_true(distance[0] < -0.3f && distance[1] < -0.3f);
+  assert_true(distance[2] > 0.3f && distance[3] > 0.3f);
+  scree_support_destroy(support);
+
+  const scree_shape open = {.kind = SCREE_SHAPE_MESH, .mesh = {corners, indices, 16, 23, 16}};
+  assert_refused(&open, 1, SCREE_ERROR_NOT_CLOSED, "has no triangle on its other side");
 }
 
 static void broken_trees_and_callbacks_are_refused(void** state) {
@@ -399,6 +428,7 @@ int main(void) {
       cmocka_unit_test(wrong_numbers_are_refused_by_shape_and_field),
       cmocka_unit_test(numbers_in_errors_have_six_digits),
       cmocka_unit_test(broken_meshes_are_refused_by_edge),
+      cmocka_unit_test(boxes_that_touch_along_an_edge_are_one_closed_mesh),
       cmocka_unit_test(broken_trees_and_callbacks_are_refused),
       cmocka_unit_test(creating_survives_every_failed_allocation),
       cmocka_unit_test(broken_field_tables_are_refused),

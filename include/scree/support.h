@@ -82,7 +82,8 @@ typedef struct scree_heightfield {
   float above, below;    /* the layer reaches from the surface + above to the surface - below; above + below > 0 */
 } scree_heightfield;
 
-/* A closed triangle mesh: each edge used once in each direction; volume > 0; overlapping parts unite. Distances are interpolated
+/* A closed triangle mesh: each edge used as often in one direction as in the other, more than once where parts touch along it;
+ * volume > 0; overlapping parts unite. Distances are interpolated
  * between the samples of a grid, so that details finer than its cells are rounded off. */
 typedef struct scree_mesh {
   const float* positions;  /* 3 * vertex_count; copied */
