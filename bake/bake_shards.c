@@ -247,9 +247,12 @@ static void make_asset(void* context, uint32_t index, uint32_t worker) {
   if (atomic_load(&bake->stopped)) return;
   const scree_allocator* allocator = &bake->allocator;
   const size_t shards = bake->view.shard_count;
+  scree_seed_pattern pattern;
+  scree_shard_seeds_view(&bake->recipe, &pattern);
   shard_asset_desc desc = {.shards = bake->weather.shards,
                            .steps_per_metre = bake->lattice,
                            .lods = bake->recipe.lod_levels,
+                           .joints = pattern.kind == SCREE_SEEDS_COLUMNS,
                            .block = index >= bake->times};
   uint8_t* inside = NULL;
   scree_result result = SCREE_OK;

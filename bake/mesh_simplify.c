@@ -16,9 +16,10 @@ typedef struct quadric {
 /* A triangle may not turn by more than this cosine, nor become thinner than this share of area to longest side squared. */
 #define LEAST_COSINE 0.25
 #define LEAST_SHAPE 0.02
-/* How much planes across the edges between groups and uvs, and between materials, count. */
+/* How much planes across the edges between groups and uvs, between materials, and between shades count. */
 #define SEAM_WEIGHT 0.5
 #define MATERIAL_WEIGHT 2.0
+#define SHADE_WEIGHT 0.05
 
 struct mesh_simplifier {
   scree_allocator allocator;
@@ -326,9 +327,10 @@ static uint32_t ahead(uint32_t corner) {
 static void add_seam(mesh_simplifier* s, uint32_t corner, const double normal[3]) {
   const simplify_mesh* m = &s->mesh;
   const uint32_t twin = twin_of(s, corner);
-  const bool material = m->materials[corner / 3] != m->materials[twin / 3];
+  const uint32_t differs = m->materials[corner / 3] ^ m->materials[twin / 3];
+  const bool material = (differs & SIMPLIFY_MATERIAL) != 0;
   const bool smooth = same_wedge(m, corner, ahead(twin)) && same_wedge(m, ahead(corner), twin);
-  if (smooth && !material) return;
+  if (smooth && differs == 0) return;
   double edge[3], across[3];
   between(m->positions[vertex_at(s, corner, 0)], m->positions[vertex_at(s, corner, 1)], edge);
   const double length2 = dot(edge, edge);
@@ -336,7 +338,7 @@ static void add_seam(mesh_simplifier* s, uint32_t corner, const double normal[3]
   const double length = sqrt(dot(across, across));
   if (length == 0) return;
   for (uint32_t a = 0; a < 3; ++a) across[a] /= length;
-  const double weight = length2 * (material ? MATERIAL_WEIGHT : SEAM_WEIGHT);
+  const double weight = length2 * (material ? MATERIAL_WEIGHT : smooth ? SHADE_WEIGHT : SEAM_WEIGHT);
   for (uint32_t k = 0; k < 2; ++k) {
     const uint32_t v = vertex_at(s, corner, k);
     add_plane(&s->quadrics[v], across, m->positions[v], weight);

@@ -14,14 +14,15 @@
 /* Arrays are the caller's; simplifying works in them. A triangle that is gone has corner[0] == SIMPLIFY_GONE. */
 typedef struct simplify_mesh {
   int16_t (*positions)[3];
-  uint32_t (*corners)[3]; /* counter-clockwise from outside; closed, with one fan around each vertex: see mesh_split_fans */
-  float (*uvs)[3][2];     /* of each triangle's corners */
-  const uint32_t* groups; /* of each triangle */
-  const uint8_t* materials;
+  uint32_t (*corners)[3];   /* counter-clockwise from outside; closed, with one fan around each vertex: see mesh_split_fans */
+  float (*uvs)[3][2];       /* of each triangle's corners */
+  const uint32_t* groups;   /* of each triangle */
+  const uint8_t* materials; /* of each triangle: SIMPLIFY_MATERIAL are the material, the others a shade, whose edges count least */
   uint32_t vertex_count, triangle_count;
 } simplify_mesh;
 
 #define SIMPLIFY_GONE UINT32_MAX
+#define SIMPLIFY_MATERIAL 3
 
 typedef struct mesh_simplifier mesh_simplifier;
 

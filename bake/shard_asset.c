@@ -261,7 +261,8 @@ static scree_result add_mass(const shard_asset_desc* desc, const int16_t (*place
 
 static scree_result make_levels(const shard_asset_desc* desc, const int16_t (*places)[3], const scree_allocator* allocator,
                                 shard_asset* out) {
-  surface_desc on = {.shards = &desc->shards->view, .inside = desc->inside, .ground = !desc->block, .jobs = desc->jobs};
+  surface_desc on = {
+      .shards = &desc->shards->view, .inside = desc->inside, .joints = desc->joints, .ground = !desc->block, .jobs = desc->jobs};
   memcpy(on.origin, desc->origin, sizeof on.origin);
   surface_vertices surface;
   scree_result result = surface_vertices_create(&on, allocator, &surface);

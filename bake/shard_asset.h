@@ -4,9 +4,9 @@
  * Lattice: relative to an origin of the caller's, for what stands shard_asset_origin, for a block its centroid; steps_per_metre
  * steps a metre. Cliffs of one solid at different times fit over each other.
  *
- * surface[v] of the meshes: material (0 the solid's own surface, 2 a cut; the bed is 0), durability, curvature + 128 (above 128 on
- * the sharp edges of cuts), smoothing group. Vertices at one place that differ in their group belong to different sides of a sharp
- * edge: a reader that adds up normals per place and group keeps the edge. */
+ * surface[v] of the meshes: material (0 the solid's own surface, 2 a cut; the bed is 0), durability (1, or with joints 0.5 to 1.5
+ * by shard), curvature + 128 (above 128 on the sharp edges of cuts), smoothing group. Vertices at one place that differ in their
+ * group belong to different sides of a sharp edge: a reader that adds up normals per place and group keeps the edge. */
 #ifndef SCREE_SHARD_ASSET_H
 #define SCREE_SHARD_ASSET_H
 
@@ -54,6 +54,7 @@ typedef struct shard_asset_desc {
   double rotation[4]; /* unit quaternion x, y, z, w about the origin, before anything else: a block as it lies; all zero = none */
   double steps_per_metre; /* > 0; everything must lie within 16384 steps of the origin */
   uint32_t lods;          /* 1..ROCK_MAX_LODS */
+  bool joints;            /* every shard has a durability of its own, and the solid's surface comes apart along joints */
   bool block;             /* no ground darkens it, one convex part */
   scree_jobs jobs;        /* all zero = none */
 } shard_asset_desc;

@@ -23,6 +23,11 @@ static int compare_words(const void* a, const void* b) {
 
 /* --- Setting up. --- */
 
+/* Half to one and a half of the rock's, by shard, so that neighbours differ at all times alike. */
+static uint8_t durability_of(uint32_t shard) {
+  return (uint8_t)(ROCK_DURABILITY / 2 + 4 * (hash_combine(0, shard) >> 32 & 15));
+}
+
 /* Groups: charts of the solid that smooth edges join; behind them each link's cut. */
 static scree_result set_triangles(shard_levels* l, const shard_asset_desc* desc, const surface_vertices* surface) {
   const scree_solid* solid = desc->shards->view.solid;
@@ -34,7 +39,8 @@ static scree_result set_triangles(shard_levels* l, const shard_asset_desc* desc,
     const bool cut = t >= source->solid_count;
     memcpy(l->mesh.corners[t], triangle->corner, sizeof triangle->corner);
     l->groups[t] = cut ? solid->triangle_count + triangle->source : charts[triangle->source];
-    l->materials[t] = cut ? SURFACE_CUT : SURFACE_SOLID;
+    l->materials[t] =
+        (uint8_t)((cut ? SURFACE_CUT : SURFACE_SOLID) | (desc->joints ? durability_of(triangle->shard) : ROCK_DURABILITY));
     for (uint32_t k = 0; k < 3; ++k)
       memcpy(l->mesh.uvs[t][k], surface->surface.vertices[surface->surface.indices[(size_t)3 * t + k]].uv,
              sizeof l->mesh.uvs[t][k]);
@@ -185,7 +191,7 @@ static void look_at_corners(take_work* w) {
     for (uint32_t k = 0; k < 3; ++k) {
       const uint32_t rank = l->rank[l->mesh.corners[t][k]];
       w->pairs[w->pair_count++] = (uint64_t)l->groups[t] << 32 | rank;
-      if (l->materials[t] == SURFACE_CUT) w->kinds[rank] |= 1;
+      if ((l->materials[t] & SIMPLIFY_MATERIAL) == SURFACE_CUT) w->kinds[rank] |= 1;
       if (w->only[rank] == UINT32_MAX) w->only[rank] = l->groups[t];
       if (w->only[rank] != l->groups[t]) w->kinds[rank] |= 2;
       for (uint32_t a = 0; a < 3; ++a) {
@@ -238,17 +244,18 @@ static uint8_t curvature_at(const take_work* w, uint32_t rank) {
 static uint32_t find_vertex(take_work* w, uint32_t triangle, uint32_t k, lattice_mesh* out) {
   const shard_levels* l = w->levels;
   const uint32_t v = l->mesh.corners[triangle][k], rank = l->rank[v], group = l->groups[triangle];
-  const uint8_t surface[4] = {l->materials[triangle], ROCK_DURABILITY, curvature_at(w, rank), colour_of(w, group, rank)};
+  const uint8_t surface[4] = {l->materials[triangle] & SIMPLIFY_MATERIAL, l->materials[triangle] & ~SIMPLIFY_MATERIAL,
+                              curvature_at(w, rank), colour_of(w, group, rank)};
   const float* uv = l->mesh.uvs[triangle][k];
   uint32_t bits[2];
   memcpy(bits, uv, sizeof bits);
-  const uint64_t hash = hash_combine(hash_combine(rank, surface[3]), (uint64_t)bits[0] << 32 | bits[1]);
+  const uint64_t hash = hash_combine(hash_combine(rank, (uint64_t)surface[1] << 8 | surface[3]), (uint64_t)bits[0] << 32 | bits[1]);
   uint32_t slot = (uint32_t)hash & (w->table_size - 1);
   for (; w->table[slot] != UINT32_MAX; slot = (slot + 1) & (w->table_size - 1)) {
     const uint32_t known = w->table[slot];
     if (memcmp(out->positions[known], l->mesh.positions[v], sizeof *out->positions) == 0 &&
         memcmp(out->uvs[known], uv, sizeof *out->uvs) == 0 && out->surface[known][0] == surface[0] &&
-        out->surface[known][3] == surface[3])
+        out->surface[known][1] == surface[1] && out->surface[known][3] == surface[3])
       return known;
   }
   const uint32_t made = out->vertex_count++;

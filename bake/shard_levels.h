@@ -11,7 +11,7 @@ typedef struct shard_levels {
   scree_allocator allocator;
   simplify_mesh mesh; /* its arrays are owned */
   uint32_t* groups;   /* of each triangle: smooth over every edge within one */
-  uint8_t* materials;
+  uint8_t* materials; /* of each triangle: material + durability, which is a multiple of 4, so that both have borders to keep */
   uint64_t* openness; /* by vertex and group, sorted: vertex << 40 | group << 8 | occlusion */
   uint32_t* rank;     /* of each vertex: equal for equal places */
   uint32_t rank_count;

@@ -16,12 +16,13 @@ typedef struct edge {
 typedef struct surface_work {
   const scree_shards_view* view;
   const uint8_t* inside;
+  bool joints; /* triangles of several shards come apart */
   const scree_allocator* allocator;
   uint32_t* link_of;        /* of each polygon */
   uint32_t* triangle_first; /* the solid's triangle t has the polygons list[triangle_first[t]] .. [triangle_first[t + 1] - 1] */
   uint32_t* list;           /* polygons of exterior links of shards inside */
   uint8_t* needed;          /* of each vertex: a cut or a triangle in pieces has it */
-  uint8_t* in_pieces;       /* of each triangle: what is inside of it is not one simple polygon */
+  uint8_t* in_pieces;       /* of each triangle: its polygons stay apart, for what is inside is no simple one, or joints show */
   uint32_t* nearest;        /* of each vertex of the solid: the vertex of the shards, or UINT32_MAX */
   double* distance2;        /* and its distance */
   edge* edges;              /* of one triangle's polygons */
@@ -353,7 +354,8 @@ static scree_result make_surface(surface_work* w, shard_surface* out) {
   out->triangles = scree_rt_allocate(w->allocator, corners, sizeof *out->triangles);
   if (out->triangles == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
   for (uint32_t t = 0; t < view->solid->triangle_count; ++t) {
-    if (w->triangle_first[t] == w->triangle_first[t + 1] || find_loop(w, t) > 0) continue;
+    const uint32_t polygons = w->triangle_first[t + 1] - w->triangle_first[t];
+    if (polygons == 0 || (!(w->joints && polygons > 1) && find_loop(w, t) > 0)) continue;
     w->in_pieces[t] = 1;
     for (uint32_t i = w->triangle_first[t]; i < w->triangle_first[t + 1]; ++i) need_corners(w, w->list[i]);
   }
@@ -364,11 +366,11 @@ static scree_result make_surface(surface_work* w, shard_surface* out) {
   return SCREE_OK;
 }
 
-scree_result shard_surface_create(const scree_shards_view* shards, const uint8_t* inside, const scree_allocator* allocator,
-                                  shard_surface* out) {
+scree_result shard_surface_create(const scree_shards_view* shards, const uint8_t* inside, bool joints,
+                                  const scree_allocator* allocator, shard_surface* out) {
   memset(out, 0, sizeof *out);
   const scree_allocator from = scree_rt_allocator_or_default(allocator);
-  surface_work w = {.view = shards, .inside = inside, .allocator = &from};
+  surface_work w = {.view = shards, .inside = inside, .joints = joints, .allocator = &from};
   const scree_result result = make_surface(&w, out);
   work_destroy(&w);
   if (result != SCREE_OK) shard_surface_destroy(out, &from);

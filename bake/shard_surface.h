@@ -28,9 +28,10 @@ typedef struct shard_surface {
   uint32_t place_count;
 } shard_surface;
 
-/* inside: of each shard, not 0 = it is part. Returns SCREE_OK or OUT_OF_MEMORY; on failure nothing is held. */
-scree_result shard_surface_create(const scree_shards_view* shards, const uint8_t* inside, const scree_allocator* allocator,
-                                  shard_surface* out);
+/* inside: of each shard, not 0 = it is part. joints: triangles of the solid that several shards share come apart along the joints
+ * between them, so that each has one shard. Returns SCREE_OK or OUT_OF_MEMORY; on failure nothing is held. */
+scree_result shard_surface_create(const scree_shards_view* shards, const uint8_t* inside, bool joints,
+                                  const scree_allocator* allocator, shard_surface* out);
 void shard_surface_destroy(shard_surface* surface, const scree_allocator* allocator); /* all zero is allowed */
 
 #endif

@@ -261,7 +261,7 @@ static scree_result join_vertices(const surface_desc* desc, const scree_allocato
 scree_result surface_vertices_create(const surface_desc* desc, const scree_allocator* allocator, surface_vertices* out) {
   memset(out, 0, sizeof *out);
   const scree_allocator from = scree_rt_allocator_or_default(allocator);
-  scree_result result = shard_surface_create(desc->shards, desc->inside, &from, &out->source);
+  scree_result result = shard_surface_create(desc->shards, desc->inside, desc->joints, &from, &out->source);
   if (result == SCREE_OK && out->source.count > 0) {
     result = join_vertices(desc, &from, out);
     if (result == SCREE_OK) result = light_vertices(desc, out, &from);

@@ -12,6 +12,7 @@ typedef struct surface_desc {
   const scree_shards_view* shards;
   const uint8_t* inside; /* of each shard, not 0 = it is part */
   double origin[3];      /* positions are relative to it */
+  bool joints;           /* between shards, on the solid's surface too: see shard_surface.h */
   bool ground;           /* everything below the solid's lowest place is dark */
   scree_jobs jobs;       /* all zero = none */
 } surface_desc;

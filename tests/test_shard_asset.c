@@ -129,7 +129,8 @@ static void what_stands_of_boxes_is_a_sound_asset(void** state) {
     scree_shards_view view;
     scree_shards_get(shards, &view);
     uint8_t* inside = random_inside(&r, view.shard_count, round == 0 ? 2 : 0.5 + 0.4 * random_unit(&r));
-    const shard_asset_desc desc = desc_of(shards, inside, 1 + round % 5);
+    shard_asset_desc desc = desc_of(shards, inside, 1 + round % 5);
+    desc.joints = round % 2 == 1;
     assert_true(desc.steps_per_metre >= 1000);
     shard_asset* asset = must_make(&desc);
     check_asset(asset, desc.lods, desc.steps_per_metre, volume_inside(&view, inside), 0.002);
@@ -137,6 +138,74 @@ static void what_stands_of_boxes_is_a_sound_asset(void** state) {
     free(inside);
     scree_shards_destroy(shards);
   }
+}
+
+/* With joints every triangle is of one shard, so that its corners are equally durable, and neighbours differ; without, none does.
+ * The outside of a whole lattice is flat: only joints keep it from being a few triangles. */
+static void joints_show_on_the_solid_at_every_level(void** state) {
+  (void)state;
+  scree_shards* shards = make_lattice((const uint32_t[3]){5, 5, 5}, 3, NULL);
+  scree_shards_view view;
+  scree_shards_get(shards, &view);
+  uint8_t inside[125];
+  memset(inside, 1, sizeof inside);
+  for (uint32_t joints = 0; joints < 2; ++joints) {
+    shard_asset_desc desc = desc_of(shards, inside, 3);
+    desc.joints = joints == 1;
+    shard_asset* asset = must_make(&desc);
+    check_asset(asset, desc.lods, desc.steps_per_metre, view.volume, 0.002);
+    for (uint32_t lod = 0; lod < asset->lod_count; ++lod) {
+      const lattice_mesh* mesh = &asset->lods[lod].mesh;
+      uint32_t kinds = 0;
+      bool known[256] = {false};
+      for (uint32_t i = 0; i < 3 * mesh->triangle_count; ++i) {
+        const uint8_t durability = mesh->surface[mesh->indices[i]][1];
+        assert_int_equal(durability, mesh->surface[mesh->indices[i / 3 * 3]][1]);
+        assert_in_range(durability, joints == 1 ? 32 : 64, joints == 1 ? 92 : 64);
+        assert_int_equal(durability % 4, 0);
+        kinds += !known[durability];
+        known[durability] = true;
+      }
+      if (joints == 0) assert_int_equal(kinds, 1);
+      if (joints == 1) assert_true(kinds >= 8);
+    }
+    if (joints == 1) assert_true(asset->lods[0].mesh.triangle_count >= 2 * 6 * 25);
+    must_free(asset);
+  }
+  scree_shards_destroy(shards);
+}
+
+/* A whole box of columns cut by mesh is its own 12 triangles; with joints each shard has its own, whichever way it was cut. */
+static void joints_split_the_triangles_of_the_solid(void** state) {
+  (void)state;
+  box_solid box;
+  make_box(&box, (const double[3]){0, 0, 0}, (const double[3]){4, 2, 3});
+  const scree_seed_pattern pattern = {.kind = SCREE_SEEDS_COLUMNS, .spacing = 0.8, .jitter = 0.3, .random_seed = 4};
+  double* seeds;
+  uint32_t count;
+  assert_int_equal(scree_seeds_create(&pattern, &box.solid, NULL, &seeds, &count, NULL), SCREE_OK);
+  for (uint32_t clip = SCREE_CLIP_WALLS; clip <= SCREE_CLIP_MESH; ++clip) {
+    const scree_shards_desc cut = {.solid = box.solid, .seeds = seeds, .seed_count = count, .clip = (scree_clip)clip};
+    scree_shards* shards;
+    assert_int_equal(scree_shards_create(&cut, &shards, NULL), SCREE_OK);
+    scree_shards_view view;
+    scree_shards_get(shards, &view);
+    uint8_t* inside = must(malloc(view.shard_count));
+    memset(inside, 1, view.shard_count);
+    for (uint32_t joints = 0; joints < 2; ++joints) {
+      shard_asset_desc desc = desc_of(shards, inside, 1);
+      desc.joints = joints == 1;
+      shard_asset* asset = must_make(&desc);
+      check_asset(asset, desc.lods, desc.steps_per_metre, view.volume, 0.002);
+      const uint32_t triangles = asset->lods[0].mesh.triangle_count;
+      if (joints == 0 && clip == SCREE_CLIP_MESH) assert_int_equal(triangles, 12);
+      if (joints == 1) assert_true(triangles > 2 * view.shard_count);
+      must_free(asset);
+    }
+    free(inside);
+    scree_shards_destroy(shards);
+  }
+  scree_seeds_free(NULL, seeds, count);
 }
 
 /* All sides of boxes are flat: where vertices share place and group, their triangles look the same way. */
@@ -355,6 +424,8 @@ int main(int argc, char** argv) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(what_stands_of_boxes_is_a_sound_asset),
       cmocka_unit_test(groups_keep_edges_sharp),
+      cmocka_unit_test(joints_split_the_triangles_of_the_solid),
+      cmocka_unit_test(joints_show_on_the_solid_at_every_level),
       cmocka_unit_test(errors_are_what_all_triangles_say),
       cmocka_unit_test(blocks_lie_as_they_are_turned),
       cmocka_unit_test(parts_fit_closer_than_the_hull),

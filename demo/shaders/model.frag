@@ -40,7 +40,7 @@ vec3 cliff_colour(vec3 base, float pixel) {
   vec3 skin = base * mix(vec3(0.74, 0.76, 0.80), vec3(0.94, 0.93, 0.91), smoothstep(-0.5, 0.5, stain));
   vec3 fresh = base * mix(vec3(1.02, 0.97, 0.90), vec3(1.16, 1.12, 1.06), smoothstep(-0.6, 0.6, stain));
   vec3 albedo = mix(skin, fresh, v_rock.x);
-  return albedo * mix(vec3(0.94), vec3(1.06), smoothstep(0.6, 1.8, v_rock.z)) * (1.0 + 0.15 * max(v_rock.w, 0.0));
+  return albedo * (1.0 + 0.9 * clamp(v_rock.z - 1.0, -0.5, 0.5)) * (1.0 + 0.15 * max(v_rock.w, 0.0));
 }
 
 void main() {
