@@ -75,7 +75,7 @@ typedef struct clip_work {
 scree_result clip_reserve_(const scree_allocator* allocator, void** memory, uint32_t* capacity, uint32_t count, size_t needed,
                            size_t size);
 #define clip_reserve(allocator, memory, capacity, count, needed) \
-  clip_reserve_(allocator, (void**)(memory), capacity, count, needed, sizeof **(memory))
+  ((needed) <= *(capacity) ? SCREE_OK : clip_reserve_(allocator, (void**)(memory), capacity, count, needed, sizeof **(memory)))
 
 /* Seeds at least `distance2` around one, sorted. Moves the lists of others. */
 scree_result clip_near_find(clip_work* work, uint32_t seed, double distance2);

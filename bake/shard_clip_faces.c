@@ -18,9 +18,9 @@
 /* Marks a name that is a corner of the cell at hand instead of a vertex. */
 #define CORNER UINT32_C(0x80000000)
 
+/* A vertex where four cells meet; the lowest of them makes it. */
 typedef struct four_cells {
-  uint32_t key[4];
-  uint32_t vertex, uses;
+  uint32_t others[3], uses;
 } four_cells;
 
 typedef struct border_end {
@@ -54,8 +54,10 @@ typedef struct face_maker {
   uint32_t* next; /* of each vertex: the segment of the face at hand that starts there */
   uint32_t vertex_count;
 
-  four_cells* table;
-  uint32_t table_size, table_used; /* size: a power of two */
+  four_cells* corners;                 /* of out->vertices from vertex_count on */
+  uint32_t *corner_first, *corner_end; /* of each seed that is the lowest of four */
+  uint32_t* known;                     /* of each corner of the cell at hand: in `corners` */
+  uint32_t corner_count, corner_capacity, known_capacity;
 
   clip_loops loops; /* of the face at hand */
   uint32_t* path_corners;
@@ -381,56 +383,43 @@ static scree_result make_face(face_maker* f, const voronoi_face* face, const uin
 
 /* --- Cells. --- */
 
-static uint32_t hash_of(const uint32_t key[4]) {
-  uint64_t hash = 0;
-  for (int c = 0; c < 4; ++c) hash = (hash ^ key[c]) * UINT64_C(0x9e3779b97f4a7c15) + (hash >> 29);
-  return (uint32_t)(hash >> 32);
-}
-
-static scree_result grow_table(face_maker* f) {
-  const uint32_t size = f->table_size > 0 ? 2 * f->table_size : 1024;
-  four_cells* table = size == 0 ? NULL : scree_rt_allocate(f->work->allocator, size, sizeof *table);
-  if (table == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
-  for (uint32_t k = 0; k < size; ++k) table[k].uses = 0;
-  for (uint32_t k = 0; k < f->table_size; ++k) {
-    const four_cells* one = &f->table[k];
-    if (one->uses == 0) continue;
-    uint32_t at = hash_of(one->key) & (size - 1);
-    while (table[at].uses != 0) at = (at + 1) & (size - 1);
-    table[at] = *one;
-  }
-  scree_rt_release(f->work->allocator, f->table, f->table_size, sizeof *table);
-  f->table = table;
-  f->table_size = size;
+static scree_result add_corner(face_maker* f, uint32_t corner, const uint32_t key[4], uint32_t* out) {
+  const scree_allocator* allocator = f->work->allocator;
+  shard_pieces* pieces = f->out;
+  if (pieces->vertex_count >= CORNER) return SCREE_ERROR_OUT_OF_MEMORY;
+  scree_result result = clip_reserve(allocator, &f->corners, &f->corner_capacity, f->corner_count, (size_t)f->corner_count + 1);
+  if (result == SCREE_OK && pieces->vertex_count == pieces->vertex_capacity)
+    result = clip_reserve_(allocator, (void**)&pieces->vertices, &pieces->vertex_capacity, pieces->vertex_count,
+                           (size_t)pieces->vertex_count + 1, 3 * sizeof(double));
+  if (result != SCREE_OK) return result;
+  double* at = &pieces->vertices[3 * (size_t)pieces->vertex_count++];
+  for (int axis = 0; axis < 3; ++axis) at[axis] = f->cell.origin[axis] + f->cell.positions[corner][axis];
+  *out = f->corner_count++;
+  f->corners[*out] = (four_cells){{key[1], key[2], key[3]}, 0};
   return SCREE_OK;
 }
 
-/* The vertex of a corner of the cell: made by the first cell that comes to it. */
+/* The vertex of a corner of the cell: cells come by rising seed, so that the lowest of four makes it and the others find it. */
 static scree_result vertex_of_corner(face_maker* f, uint32_t corner, bool again, uint32_t* vertex) {
-  if (2 * f->table_used >= f->table_size) {
-    const scree_result result = grow_table(f);
-    if (result != SCREE_OK) return result;
+  uint32_t at = f->known[corner];
+  if (at == CLIP_NONE) {
+    uint32_t key[4];
+    voronoi_cell_key(&f->cell, corner, key);
+    if (key[0] == f->cell.seed) {
+      const scree_result result = add_corner(f, corner, key, &at);
+      if (result != SCREE_OK) return result;
+    } else {
+      const uint32_t end = f->corner_end[key[0]];
+      for (at = f->corner_first[key[0]]; at < end; ++at) {
+        const uint32_t* others = f->corners[at].others;
+        if (others[0] == key[1] && others[1] == key[2] && others[2] == key[3]) break;
+      }
+      if (at == end) return SCREE_ERROR_UNSUPPORTED; /* the two cells do not see the same corners */
+    }
+    f->known[corner] = at;
   }
-  uint32_t key[4];
-  voronoi_cell_key(&f->cell, corner, key);
-  uint32_t at = hash_of(key) & (f->table_size - 1);
-  while (f->table[at].uses != 0 && memcmp(f->table[at].key, key, sizeof key) != 0) at = (at + 1) & (f->table_size - 1);
-  four_cells* entry = &f->table[at];
-  if (entry->uses == 0) {
-    shard_pieces* out = f->out;
-    if (out->vertex_count >= CORNER) return SCREE_ERROR_OUT_OF_MEMORY;
-    const scree_result result = clip_reserve_(f->work->allocator, (void**)&out->vertices, &out->vertex_capacity, out->vertex_count,
-                                              (size_t)out->vertex_count + 1, 3 * sizeof(double));
-    if (result != SCREE_OK) return result;
-    for (int axis = 0; axis < 3; ++axis)
-      out->vertices[3 * (size_t)out->vertex_count + (size_t)axis] = f->cell.origin[axis] + f->cell.positions[corner][axis];
-    memcpy(entry->key, key, sizeof key);
-    entry->vertex = out->vertex_count++;
-    ++f->table_used;
-    again = false;
-  }
-  if (!again) ++entry->uses;
-  *vertex = entry->vertex;
+  if (!again) ++f->corners[at].uses;
+  *vertex = f->vertex_count + at;
   return SCREE_OK;
 }
 
@@ -443,7 +432,10 @@ static scree_result keep_cell(face_maker* f) {
   if (result == SCREE_OK)
     result =
         clip_reserve(allocator, &out->corners, &out->corner_capacity, out->corner_count, (size_t)out->corner_count + f->name_count);
+  if (result == SCREE_OK) result = clip_reserve(allocator, &f->known, &f->known_capacity, 0, f->cell.corner_count);
   if (result != SCREE_OK) return result;
+  for (uint32_t k = 0; k < f->cell.corner_count; ++k) f->known[k] = CLIP_NONE;
+  f->corner_first[f->cell.seed] = f->corner_count;
   for (uint32_t p = 0; p < f->piece_count; ++p) {
     const face_piece* piece = &f->pieces[p];
     const uint32_t* names = &f->names[piece->first];
@@ -459,6 +451,7 @@ static scree_result keep_cell(face_maker* f) {
       out->corners[out->corner_count++] = vertex;
     }
   }
+  f->corner_end[f->cell.seed] = f->corner_count;
   return SCREE_OK;
 }
 
@@ -580,8 +573,8 @@ static scree_result make_all(face_maker* f) {
     if (result == SCREE_OK) result = add_parts(f, seed);
   }
   /* A place where four cells meet within the solid is a corner of six faces. */
-  for (uint32_t k = 0; result == SCREE_OK && k < f->table_size; ++k)
-    if (f->table[k].uses != 0 && f->table[k].uses != 6) result = SCREE_ERROR_UNSUPPORTED;
+  for (uint32_t k = 0; result == SCREE_OK && k < f->corner_count; ++k)
+    if (f->corners[k].uses != 6) result = SCREE_ERROR_UNSUPPORTED;
   return result;
 }
 
@@ -599,9 +592,11 @@ scree_result clip_faces(clip_work* work, shard_pieces* out) {
   f.part_order = scree_rt_allocate(allocator, (size_t)work->part_count + 1, sizeof(uint32_t));
   f.segment_order = scree_rt_allocate(allocator, (size_t)work->segment_count + 1, sizeof(uint32_t));
   f.next = scree_rt_allocate(allocator, f.vertex_count, sizeof(uint32_t));
+  f.corner_first = scree_rt_allocate_zeroed(allocator, seed_count, sizeof(uint32_t));
+  f.corner_end = scree_rt_allocate_zeroed(allocator, seed_count, sizeof(uint32_t));
   scree_result result = SCREE_ERROR_OUT_OF_MEMORY;
   if (f.states != NULL && f.part_first != NULL && f.segment_first != NULL && f.part_order != NULL && f.segment_order != NULL &&
-      f.next != NULL)
+      f.next != NULL && f.corner_first != NULL && f.corner_end != NULL)
     result = clip_rays_create(work->input, &work->solid, allocator, &f.rays);
   if (result == SCREE_OK) {
     for (uint32_t v = 0; v < f.vertex_count; ++v) f.next[v] = CLIP_NONE;
@@ -616,7 +611,10 @@ scree_result clip_faces(clip_work* work, shard_pieces* out) {
   scree_rt_release(allocator, f.part_order, (size_t)work->part_count + 1, sizeof(uint32_t));
   scree_rt_release(allocator, f.segment_order, (size_t)work->segment_count + 1, sizeof(uint32_t));
   scree_rt_release(allocator, f.next, f.vertex_count, sizeof(uint32_t));
-  scree_rt_release(allocator, f.table, f.table_size, sizeof *f.table);
+  scree_rt_release(allocator, f.corner_first, seed_count, sizeof(uint32_t));
+  scree_rt_release(allocator, f.corner_end, seed_count, sizeof(uint32_t));
+  scree_rt_release(allocator, f.corners, f.corner_capacity, sizeof *f.corners);
+  scree_rt_release(allocator, f.known, f.known_capacity, sizeof *f.known);
   scree_rt_release(allocator, f.path_corners, f.path_corner_capacity, sizeof *f.path_corners);
   scree_rt_release(allocator, f.ends, f.end_capacity, sizeof *f.ends);
   scree_rt_release(allocator, f.paths, f.path_capacity, sizeof *f.paths);

@@ -12,17 +12,32 @@ static void span(const clip_rays* rays, double low, double high, int axis, uint3
   out[1] = !(b > 0) ? 0 : b > last ? (uint32_t)last : (uint32_t)b;
 }
 
-static void spans(const clip_rays* rays, uint32_t t, uint32_t x[2], uint32_t z[2]) {
+static uint32_t least(uint32_t a, uint32_t b, uint32_t c) {
+  const uint32_t d = a < b ? a : b;
+  return d < c ? d : c;
+}
+
+static uint32_t most(uint32_t a, uint32_t b, uint32_t c) {
+  const uint32_t d = a > b ? a : b;
+  return d > c ? d : c;
+}
+
+/* A vertex in its bin: x in the low half, z in the high one. */
+static uint32_t bin_of(const clip_rays* rays, const double at[3]) {
+  uint32_t x[2], z[2];
+  span(rays, at[0], at[0], 0, x);
+  span(rays, at[2], at[2], 1, z);
+  return z[0] << 16 | x[0];
+}
+
+/* The bins of a triangle's box. Rounding never turns the order of places round, so its corners' bins say them. */
+static void spans(const clip_rays* rays, const uint32_t* bins, uint32_t t, uint32_t x[2], uint32_t z[2]) {
   const uint32_t* triangle = &rays->input->indices[3 * (size_t)t];
-  double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
-  for (int c = 0; c < 3; ++c)
-    for (int axis = 0; axis < 2; ++axis) {
-      const double at = rays->input->positions[3 * (size_t)triangle[c] + 2 * axis];
-      low[axis] = at < low[axis] ? at : low[axis];
-      high[axis] = at > high[axis] ? at : high[axis];
-    }
-  span(rays, low[0], high[0], 0, x);
-  span(rays, low[1], high[1], 1, z);
+  const uint32_t a = bins[triangle[0]], b = bins[triangle[1]], c = bins[triangle[2]];
+  x[0] = least(a & 0xffff, b & 0xffff, c & 0xffff);
+  x[1] = most(a & 0xffff, b & 0xffff, c & 0xffff);
+  z[0] = least(a >> 16, b >> 16, c >> 16);
+  z[1] = most(a >> 16, b >> 16, c >> 16);
 }
 
 scree_result clip_rays_create(const shard_input* input, const clip_box* solid, const scree_allocator* allocator, clip_rays* out) {
@@ -36,35 +51,39 @@ scree_result clip_rays_create(const shard_input* input, const clip_box* solid, c
     out->scale[axis] = length > 0 ? (double)out->size[axis] / length : 0;
   }
   const size_t bins = (size_t)out->size[0] * out->size[1];
+  uint32_t* bin_of_vertex = scree_rt_allocate(allocator, input->vertex_count, sizeof *bin_of_vertex);
   out->first = scree_rt_allocate_zeroed(allocator, bins + 1, sizeof *out->first);
-  if (out->first == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
   size_t total = 0;
-  for (uint32_t t = 0; t < input->triangle_count; ++t) {
-    uint32_t x[2], z[2];
-    spans(out, t, x, z);
-    total += (size_t)(x[1] - x[0] + 1) * (z[1] - z[0] + 1);
-    if (total >= UINT32_MAX) break;
-    for (uint32_t b = z[0]; b <= z[1]; ++b)
-      for (uint32_t a = x[0]; a <= x[1]; ++a) ++out->first[(size_t)b * out->size[0] + a];
+  if (bin_of_vertex != NULL && out->first != NULL) {
+    for (uint32_t v = 0; v < input->vertex_count; ++v) bin_of_vertex[v] = bin_of(out, &input->positions[3 * (size_t)v]);
+    for (uint32_t t = 0; t < input->triangle_count; ++t) {
+      uint32_t x[2], z[2];
+      spans(out, bin_of_vertex, t, x, z);
+      total += (size_t)(x[1] - x[0] + 1) * (z[1] - z[0] + 1);
+      if (total >= UINT32_MAX) break;
+      for (uint32_t b = z[0]; b <= z[1]; ++b)
+        for (uint32_t a = x[0]; a <= x[1]; ++a) ++out->first[(size_t)b * out->size[0] + a];
+    }
+    if (total < UINT32_MAX) out->triangles = scree_rt_allocate(allocator, total, sizeof *out->triangles);
   }
-  if (total < UINT32_MAX) out->triangles = scree_rt_allocate(allocator, total, sizeof *out->triangles);
-  if (out->triangles == NULL) {
-    clip_rays_free(out, allocator);
-    return SCREE_ERROR_OUT_OF_MEMORY;
+  if (out->triangles != NULL) {
+    out->triangle_count = total;
+    uint32_t sum = 0;
+    for (size_t k = 0; k <= bins; ++k) {
+      sum += out->first[k];
+      out->first[k] = sum;
+    }
+    for (uint32_t t = input->triangle_count; t-- > 0;) {
+      uint32_t x[2], z[2];
+      spans(out, bin_of_vertex, t, x, z);
+      for (uint32_t b = z[0]; b <= z[1]; ++b)
+        for (uint32_t a = x[0]; a <= x[1]; ++a) out->triangles[--out->first[(size_t)b * out->size[0] + a]] = t;
+    }
   }
-  out->triangle_count = total;
-  uint32_t sum = 0;
-  for (size_t k = 0; k <= bins; ++k) {
-    sum += out->first[k];
-    out->first[k] = sum;
-  }
-  for (uint32_t t = input->triangle_count; t-- > 0;) {
-    uint32_t x[2], z[2];
-    spans(out, t, x, z);
-    for (uint32_t b = z[0]; b <= z[1]; ++b)
-      for (uint32_t a = x[0]; a <= x[1]; ++a) out->triangles[--out->first[(size_t)b * out->size[0] + a]] = t;
-  }
-  return SCREE_OK;
+  scree_rt_release(allocator, bin_of_vertex, input->vertex_count, sizeof *bin_of_vertex);
+  if (out->triangles != NULL) return SCREE_OK;
+  clip_rays_free(out, allocator);
+  return SCREE_ERROR_OUT_OF_MEMORY;
 }
 
 void clip_rays_free(clip_rays* rays, const scree_allocator* allocator) {

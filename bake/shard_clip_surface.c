@@ -64,45 +64,72 @@ static scree_result reserve_near(clip_work* work, size_t kept, size_t needed) {
   return SCREE_OK;
 }
 
+/* Which boxes of the grid, along one axis, hold what is no further than `reach` from x. Wider by a hair, for boxes' rounded sides.
+ */
+static bool boxes_within(const voronoi_grid* grid, int axis, double x, double reach, uint32_t out[2]) {
+  const double hair = 1e-6, last = (double)grid->size[axis] - 1;
+  const double a = (x - reach - grid->min[axis]) / grid->step[axis] - hair,
+               b = (x + reach - grid->min[axis]) / grid->step[axis] + hair;
+  out[0] = !(a > 0) ? 0 : a > last ? (uint32_t)last : (uint32_t)a;
+  out[1] = !(b > 0) ? 0 : b > last ? (uint32_t)last : (uint32_t)b;
+  return a < 0 && b > last + 1;
+}
+
+/* How far a box of the grid is from x along one axis, at least. */
+static double gap_to(const voronoi_grid* grid, int axis, uint32_t box, double x) {
+  const double low = grid->min[axis] + (box - 1e-6) * grid->step[axis] - x,
+               high = x - (grid->min[axis] + (box + (1 + 1e-6)) * grid->step[axis]);
+  return low > 0 ? low : high > 0 ? high : 0;
+}
+
+/* Adds the seeds of boxes first .. end - 1, those within reach. */
+static scree_result take_near(clip_work* work, uint32_t seed, size_t first_box, size_t end_box, double reach2, size_t* count) {
+  const voronoi_grid* grid = &work->grid;
+  const double* at = &work->input->seeds[3 * (size_t)seed];
+  const uint32_t first = grid->first[first_box], end = grid->first[end_box];
+  const scree_result result = reserve_near(work, *count, *count + (end - first));
+  if (result != SCREE_OK) return result;
+  clip_near* next = work->near + *count;
+  for (uint32_t k = first; k < end; ++k) {
+    const double* point = &grid->points[3 * (size_t)k];
+    const double to[3] = {point[0] - at[0], point[1] - at[1], point[2] - at[2]}, distance2 = dot(to, to);
+    *next = (clip_near){{to[0], to[1], to[2]}, distance2, grid->order[k]}; /* overwritten unless it counts */
+    next += (int)(distance2 < reach2) & (int)(grid->order[k] != seed);
+  }
+  *count = (size_t)(next - work->near);
+  return SCREE_OK;
+}
+
 scree_result clip_near_find(clip_work* work, uint32_t seed, double distance2) {
   enum { ENOUGH = 20 };
   const voronoi_grid* grid = &work->grid;
   clip_near_list* list = &work->lists[seed];
   const double* at = &work->input->seeds[3 * (size_t)seed];
   double reach = list->reach2 > 0 ? 1.5 * sqrt(list->reach2) : 1.6 * work->spacing;
-  for (;;) {
-    uint32_t low[3], high[3];
-    bool all = true;
-    for (int axis = 0; axis < 3; ++axis) {
-      const double a = floor((at[axis] - reach - grid->min[axis]) / grid->step[axis]) - 1,
-                   b = floor((at[axis] + reach - grid->min[axis]) / grid->step[axis]) + 1, last = (double)grid->size[axis] - 1;
-      all = all && a < 0 && b > last;
-      low[axis] = a < 0 ? 0 : a > last ? (uint32_t)last : (uint32_t)a;
-      high[axis] = b < 0 ? 0 : b > last ? (uint32_t)last : (uint32_t)b;
-    }
+  while (reach * reach < distance2) reach *= 1.5;
+  for (;; reach *= 1.5) {
+    uint32_t x[2], y[2], z[2];
+    bool all = boxes_within(grid, 0, at[0], reach, x);
+    all = boxes_within(grid, 1, at[1], reach, y) && all;
+    all = boxes_within(grid, 2, at[2], reach, z) && all;
+    const double reach2 = all ? INFINITY : reach * reach;
     const size_t first = work->near_count;
-    size_t count = 0;
-    for (uint32_t z = low[2]; z <= high[2]; ++z)
-      for (uint32_t y = low[1]; y <= high[1]; ++y) {
-        const size_t row = ((size_t)z * grid->size[1] + y) * grid->size[0];
-        const uint32_t end = grid->first[row + high[0] + 1];
-        const scree_result result = reserve_near(work, first + count, first + count + (end - grid->first[row + low[0]]));
+    size_t count = first;
+    for (uint32_t k = z[0]; k <= z[1]; ++k) {
+      const double gap_z = gap_to(grid, 2, k, at[2]);
+      for (uint32_t j = y[0]; j <= y[1]; ++j) {
+        const double gap_y = gap_to(grid, 1, j, at[1]), left2 = reach2 - gap_z * gap_z - gap_y * gap_y;
+        if (left2 < 0) continue;
+        if (!all) boxes_within(grid, 0, at[0], sqrt(left2), x);
+        const size_t row = ((size_t)k * grid->size[1] + j) * grid->size[0];
+        const scree_result result = take_near(work, seed, row + x[0], row + x[1] + 1, reach2, &count);
         if (result != SCREE_OK) return result;
-        for (uint32_t k = grid->first[row + low[0]]; k < end; ++k) {
-          clip_near* one = &work->near[first + count];
-          for (int axis = 0; axis < 3; ++axis) one->to[axis] = grid->points[3 * (size_t)k + axis] - at[axis];
-          one->distance2 = one->to[0] * one->to[0] + one->to[1] * one->to[1] + one->to[2] * one->to[2];
-          one->seed = grid->order[k];
-          if ((all || one->distance2 < reach * reach) && one->seed != seed) ++count;
-        }
       }
-    if (!all && (count < ENOUGH || reach * reach < distance2)) {
-      reach *= 1.5;
-      continue;
     }
-    sort_near(&work->near[first], (uint32_t)count);
-    work->near_count = first + count;
-    *list = (clip_near_list){first, (uint32_t)count, all ? INFINITY : reach * reach};
+    if (!all && count - first < ENOUGH) continue;
+    sort_near(&work->near[first], (uint32_t)(count - first));
+    work->near_count = count;
+    *list = (clip_near_list){first, (uint32_t)(count - first), reach2};
     return SCREE_OK;
   }
 }
@@ -121,8 +148,11 @@ static scree_result walk(clip_work* work, const double at[3], uint32_t* cell) {
     uint32_t best = CLIP_NONE;
     double least = 0;
     bool unsure = false;
+    const double sure = ROW_ERROR * (2 * reach2 + d2); /* for all of them */
     for (uint32_t k = 0; k < list->count && near[k].distance2 <= reach2; ++k) {
-      const double by = near[k].distance2 - 2 * dot(d, near[k].to), error = ROW_ERROR * (2 * near[k].distance2 + d2);
+      const double by = near[k].distance2 - 2 * dot(d, near[k].to);
+      if (by > sure) continue;
+      const double error = ROW_ERROR * (2 * near[k].distance2 + d2);
       if (by < least && by < -error) {
         least = by;
         best = near[k].seed;
@@ -290,29 +320,38 @@ static scree_result make_part(clip_work* work, const uint32_t* triangle, uint32_
     *corner = (part_corner){{c == 0, c == 1, c == 2}, 0, dot(d[c], d[c]), c};
   }
   const double all2 = farthest2(p);
-  double most2 = all2;
+  double reach2 = 4 * all2 * (1 + 1e-6), span2 = 0;
+  for (int c = 1; c < 3; ++c) {
+    const double by[3] = {d[c][0] - d[0][0], d[c][1] - d[0][1], d[c][2] - d[0][2]}, by2 = dot(by, by);
+    span2 = by2 > span2 ? by2 : span2;
+  }
+  /* Most seeds are far from the whole triangle, as its first corner alone can tell: rows differ by no more than twice the span
+   * along the way to the seed. The slack is far above what rounding and the rows' errors make. */
+  const double far = 4.004 * span2, slack = 1e-9 * all2;
+  const clip_near_list* list = &work->lists[cell];
+  const clip_near* near = &work->near[list->first];
+  uint32_t count = list->count;
   for (uint32_t k = 0;; ++k) {
-    const double reach2 = 4 * most2 * (1 + 1e-6);
-    if (k >= work->lists[cell].count) {
-      if (work->lists[cell].reach2 > reach2) return SCREE_OK;
+    while (k >= count) {
+      if (list->reach2 > reach2) return SCREE_OK;
       const scree_result result = clip_near_find(work, cell, 0);
       if (result != SCREE_OK) return result;
-      if (k >= work->lists[cell].count) {
-        --k;
-        continue;
-      }
+      near = &work->near[list->first];
+      count = list->count;
     }
-    const clip_near* near = &work->near[work->lists[cell].first + k];
-    if (near->distance2 > reach2) return SCREE_OK;
+    const double distance2 = near[k].distance2;
+    if (distance2 > reach2) return SCREE_OK;
+    const double first = distance2 - 2 * dot(d[0], near[k].to) - slack;
+    if (first > 0 && first * first > far * distance2) continue;
     part_cutter by;
-    for (int c = 0; c < 3; ++c) by.row[c] = near->distance2 - 2 * dot(d[c], near->to);
-    by.error = ROW_ERROR * (2 * near->distance2 + all2);
+    for (int c = 0; c < 3; ++c) by.row[c] = distance2 - 2 * dot(d[c], near[k].to);
+    by.error = ROW_ERROR * (2 * distance2 + all2);
     if (by.row[0] > by.error && by.row[1] > by.error && by.row[2] > by.error) continue;
-    by.seed = near->seed;
+    by.seed = near[k].seed;
     const uint32_t before = p->cutter_count;
     const scree_result result = cut(p, &by, d);
     if (result != SCREE_OK) return result;
-    if (p->cutter_count != before) most2 = farthest2(p);
+    if (p->cutter_count != before) reach2 = 4 * farthest2(p) * (1 + 1e-6);
   }
 }
 

@@ -96,22 +96,77 @@ static scree_result check_edges(const scree_solid* solid, const edge_table* tabl
   return SCREE_OK;
 }
 
-scree_result solid_check_closed(const scree_solid* solid, const scree_allocator* allocator, scree_error* error) {
-  const scree_result numbers = solid_check_numbers(solid, error);
-  if (numbers != SCREE_OK) return numbers;
-  const scree_allocator memory = scree_rt_allocator_or_default(allocator);
+/* Whether all edges pair up: quick, without a hash table, but does not say which do not nor why. Edges are put to the lower of
+ * their ends, as the higher one and the direction; sorted, each is followed by the same one walked the other way. Large fans, which
+ * would take long to sort so, are left open. */
+static scree_result pair_edges(const scree_solid* solid, const scree_allocator* allocator, bool* paired) {
+  enum { MOST_FAN = 64 };
+  const size_t vertices = solid->vertex_count, edges = 3 * (size_t)solid->triangle_count;
+  *paired = false;
+  if (vertices > UINT32_MAX / 2 || edges > UINT32_MAX) return SCREE_OK;
+  uint32_t* end = scree_rt_allocate_zeroed(allocator, vertices + 1, sizeof *end);
+  uint32_t* others = scree_rt_allocate(allocator, edges, sizeof *others);
+  const scree_result result = end == NULL || others == NULL ? SCREE_ERROR_OUT_OF_MEMORY : SCREE_OK;
+  bool pair = result == SCREE_OK;
+  for (size_t e = 0; pair && e < edges; e += 3)
+    for (uint32_t k = 0; k < 3; ++k) {
+      const uint32_t from = solid->indices[e + k], to = solid->indices[e + (k + 1) % 3];
+      ++end[(from < to ? from : to) + (size_t)1];
+    }
+  for (size_t v = 0; pair && v < vertices; ++v) {
+    pair = end[v + 1] <= MOST_FAN;
+    end[v + 1] += end[v];
+  }
+  for (size_t e = 0; pair && e < edges; e += 3)
+    for (uint32_t k = 0; k < 3; ++k) {
+      const uint32_t from = solid->indices[e + k], to = solid->indices[e + (k + 1) % 3];
+      pair = pair && from != to;
+      others[end[from < to ? from : to]++] = from < to ? 2 * to : 2 * from + 1;
+    }
+  uint32_t first = 0;
+  for (size_t v = 0; pair && v < vertices; ++v) {
+    uint32_t* of = others + first;
+    const uint32_t count = end[v] - first;
+    for (uint32_t i = 1; i < count; ++i) {
+      const uint32_t moved = of[i];
+      uint32_t k = i;
+      for (; k > 0 && of[k - 1] > moved; --k) of[k] = of[k - 1];
+      of[k] = moved;
+    }
+    pair = count % 2 == 0;
+    for (uint32_t i = 0; i < count / 2; ++i) pair = pair && of[2 * i] % 2 == 0 && of[2 * i + 1] == of[2 * i] + 1;
+    first = end[v];
+  }
+  scree_rt_release(allocator, end, vertices + 1, sizeof *end);
+  scree_rt_release(allocator, others, edges, sizeof *others);
+  *paired = pair;
+  return result;
+}
+
+/* The same with a table, in the order of triangles, so that an error names the first edge that is wrong. */
+static scree_result find_open_edge(const scree_solid* solid, const scree_allocator* memory, scree_error* error) {
   edge_table table = {NULL, 16};
   const uint64_t places = (uint64_t)6 * solid->triangle_count;
   while (table.size < places && table.size < SIZE_MAX / 32) table.size *= 2;
-  table.edges = table.size < places ? NULL : scree_rt_allocate_zeroed(&memory, table.size, sizeof *table.edges);
+  table.edges = table.size < places ? NULL : scree_rt_allocate_zeroed(memory, table.size, sizeof *table.edges);
   if (table.edges == NULL) {
     recipe_say(error, "solid: out of memory");
     return SCREE_ERROR_OUT_OF_MEMORY;
   }
   const scree_result result = check_edges(solid, &table, error);
-  scree_rt_release(&memory, table.edges, table.size, sizeof *table.edges);
-  if (result != SCREE_OK) return result;
+  scree_rt_release(memory, table.edges, table.size, sizeof *table.edges);
+  return result;
+}
 
+scree_result solid_check_closed(const scree_solid* solid, const scree_allocator* allocator, scree_error* error) {
+  scree_result result = solid_check_numbers(solid, error);
+  if (result != SCREE_OK) return result;
+  const scree_allocator memory = scree_rt_allocator_or_default(allocator);
+  bool paired;
+  result = pair_edges(solid, &memory, &paired);
+  if (result != SCREE_OK) recipe_say(error, "solid: out of memory");
+  if (result == SCREE_OK && !paired) result = find_open_edge(solid, &memory, error);
+  if (result != SCREE_OK) return result;
   const double volume = solid_volume6(solid);
   if (volume > 0) return SCREE_OK;
   recipe_say(error, volume < 0 ? "solid is inside out: its triangles must run counter-clockwise seen from outside"

@@ -76,6 +76,39 @@ static void a_doubled_triangle_is_told(void** state) {
                          "another triangle in the same direction"));
 }
 
+static void a_triangle_that_is_turned_over_is_told(void** state) {
+  (void)state;
+  box_solid box;
+  make_box(&box, zero, one);
+  uint32_t indices[36];
+  memcpy(indices, box.indices, sizeof indices);
+  indices[30] = box.indices[31];
+  indices[31] = box.indices[30];
+  box.solid.indices = indices;
+  scree_error error;
+  assert_int_equal(scree_solid_check(&box.solid, NULL, &error), SCREE_ERROR_NOT_CLOSED);
+  assert_non_null(strstr(error.message, "is used by another triangle in the same direction"));
+}
+
+static void a_cone_of_many_sides_is_closed_until_a_side_is_taken(void** state) {
+  (void)state;
+  enum { SIDES = 200 };
+  double positions[3 * (SIDES + 2)] = {0};
+  uint32_t indices[6 * SIDES];
+  positions[3 * SIDES + 1] = -1;
+  positions[3 * SIDES + 4] = 2;
+  for (uint32_t k = 0; k < SIDES; ++k) {
+    const uint32_t after = (k + 1) % SIDES, corners[6] = {k, after, SIDES, after, k, SIDES + 1};
+    positions[3 * k] = cos(k * (6.283185307179586 / SIDES));
+    positions[3 * k + 2] = sin(k * (6.283185307179586 / SIDES));
+    memcpy(indices + 6 * k, corners, sizeof corners);
+  }
+  scree_solid cone = {.positions = positions, .indices = indices, .vertex_count = SIDES + 2, .triangle_count = 2 * SIDES};
+  assert_int_equal(scree_solid_check(&cone, NULL, NULL), SCREE_OK);
+  --cone.triangle_count;
+  assert_int_equal(scree_solid_check(&cone, NULL, NULL), SCREE_ERROR_NOT_CLOSED);
+}
+
 static void what_is_not_a_solid_is_refused(void** state) {
   (void)state;
   scree_error error;
@@ -595,6 +628,8 @@ int main(int count, char** arguments) {
       cmocka_unit_test(a_box_in_a_box_with_a_hollow_is_closed),
       cmocka_unit_test(an_open_box_is_told_with_the_edge_and_both_its_places),
       cmocka_unit_test(a_doubled_triangle_is_told),
+      cmocka_unit_test(a_triangle_that_is_turned_over_is_told),
+      cmocka_unit_test(a_cone_of_many_sides_is_closed_until_a_side_is_taken),
       cmocka_unit_test(what_is_not_a_solid_is_refused),
       cmocka_unit_test(heights_are_a_closed_solid_of_exactly_their_volume),
       cmocka_unit_test(no_triangle_of_a_large_terrains_base_is_long),
