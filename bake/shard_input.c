@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "hoodoo_model.h"
+#include "pack_format.h"
 #include "random.h"
 #include "recipe_text.h"
 #include "shard_keys.h"
@@ -131,18 +132,31 @@ static scree_result make_shape(const scree_shard_input* input, uint32_t seed, co
   return result;
 }
 
+/* The pack says of no u or v that it lies farther out. */
+static scree_result check_uvs(const scree_solid* mesh, const char* file, scree_error* error) {
+  for (size_t i = 0; mesh->uvs != NULL && i < (size_t)6 * mesh->triangle_count; ++i)
+    if (!(fabsf(mesh->uvs[i]) <= (float)PACK_MAX_UV)) {
+      recipe_say(error, "%.200s%striangle %zu has a u or v that is not a number from -%d to %d: %g", file,
+                 file[0] != '\0' ? ": " : "", i / 6, PACK_MAX_UV, PACK_MAX_UV, (double)mesh->uvs[i]);
+      return SCREE_ERROR_RANGE;
+    }
+  return SCREE_OK;
+}
+
 static scree_result make_mesh(const scree_shard_input* input, const scree_solid* mesh, const scree_allocator* allocator,
                               scree_solid_memory* out, scree_error* error) {
   scree_result result = solid_check_numbers(mesh, error);
+  if (result == SCREE_OK && input->resolution == 0) result = check_uvs(mesh, input->file, error);
   if (result != SCREE_OK) return result;
+  const bool has_uvs = mesh->uvs != NULL && input->resolution == 0;
   scree_solid_memory moved;
-  result = solid_memory_create(mesh->vertex_count, mesh->triangle_count, mesh->uvs != NULL, allocator, &moved, error);
+  result = solid_memory_create(mesh->vertex_count, mesh->triangle_count, has_uvs, allocator, &moved, error);
   if (result != SCREE_OK) return result;
   double* positions = solid_positions(&moved);
   for (size_t i = 0; i < (size_t)3 * mesh->vertex_count; ++i)
     positions[i] = mesh->positions[i] * input->scale + input->position[i % 3];
   memcpy(solid_indices(&moved), mesh->indices, (size_t)3 * mesh->triangle_count * sizeof(uint32_t));
-  if (mesh->uvs != NULL) memcpy(solid_uvs(&moved), mesh->uvs, (size_t)6 * mesh->triangle_count * sizeof(float));
+  if (has_uvs) memcpy(solid_uvs(&moved), mesh->uvs, (size_t)6 * mesh->triangle_count * sizeof(float));
   if (input->resolution == 0) {
     scree_error fault = {{0}};
     result = scree_solid_check(&moved.solid, allocator, &fault);

@@ -11,6 +11,7 @@
 void triangle_mesh_free(triangle_mesh* mesh) {
   free(mesh->positions);
   free(mesh->indices);
+  free(mesh->uvs);
   *mesh = (triangle_mesh){0};
 }
 
@@ -110,6 +111,8 @@ scree_result triangle_mesh_weld(triangle_mesh* mesh) {
     const uint32_t* from = &mesh->indices[3 * (size_t)i];
     uint32_t a = place[from[0]], b = place[from[1]], c = place[from[2]];
     if (a == b || b == c || c == a) continue;
+    if (mesh->uvs != NULL && i != triangles)
+      memcpy(&mesh->uvs[6 * (size_t)triangles], &mesh->uvs[6 * (size_t)i], 6 * sizeof *mesh->uvs);
     uint32_t* to = &mesh->indices[3 * (size_t)triangles++];
     to[0] = a, to[1] = b, to[2] = c;
   }

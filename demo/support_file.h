@@ -13,11 +13,13 @@ extern "C" {
 typedef struct triangle_mesh {
   float* positions;  /* 3 * vertex_count, owned, malloc */
   uint32_t* indices; /* 3 * triangle_count, owned, malloc */
+  float* uvs;        /* 6 * triangle_count: u, v of each triangle's corners, owned, malloc; NULL = not of every triangle */
   uint32_t vertex_count, triangle_count;
 } triangle_mesh;
 
 /* Reads a mesh; the format is told by the ending: .obj, .off, .glb or .gltf. Positions are taken as they are (glTF: node transforms
- * of the default scene applied). Whether the mesh is closed is for scree_support_create to say.
+ * of the default scene applied). UVs are vt of OBJ and TEXCOORD_0 of glTF; v = 0 is the top of a picture, as in glTF, so that vt is
+ * turned. Whether the mesh is closed is for scree_support_create to say.
  * Returns SCREE_OK, IO, SYNTAX, RANGE, UNSUPPORTED or OUT_OF_MEMORY. */
 scree_result triangle_mesh_load(const char* file, triangle_mesh* out, scree_error* error);
 void triangle_mesh_free(triangle_mesh* mesh);
@@ -29,7 +31,7 @@ scree_result mesh_read_off(const char* bytes, size_t size, const char* file, tri
 scree_result mesh_read_gltf(const char* bytes, size_t size, const char* file, triangle_mesh* out, scree_error* error);
 
 /* Joins vertices at the same position and drops triangles that lose an edge by it. Vertices keep their first place's order.
- * Returns SCREE_OK or OUT_OF_MEMORY. */
+ * UVs belong to corners, so that vertices are joined across their seams. Returns SCREE_OK or OUT_OF_MEMORY. */
 scree_result triangle_mesh_weld(triangle_mesh* mesh);
 
 /* Triangles with a normal and a colour at each vertex: what a glTF file looks like, pictures apart. All zero = empty. */

@@ -156,8 +156,10 @@ const unsigned char* elements(const tinygltf::Model& model, const tinygltf::Acce
 
 struct soup {
   std::vector<float> positions;
-  std::vector<float> normals; /* as many as positions, or none: then they are those of the triangles */
-  std::vector<float> colours; /* linear RGB, as many as positions, or none: white */
+  std::vector<float> normals;     /* as many as positions, or none: then they are those of the triangles */
+  std::vector<float> colours;     /* linear RGB, as many as positions, or none: white */
+  std::vector<float> coordinates; /* u, v of each vertex of a part, or none */
+  std::vector<float> uvs;         /* u, v of each corner of the whole; fewer where a part has none */
   std::vector<uint32_t> indices;
 
   uint32_t vertex_count() const { return uint32_t(positions.size() / 3); }
@@ -196,7 +198,33 @@ std::vector<float> read_vectors(const tinygltf::Model& model, const tinygltf::Pr
   return out;
 }
 
-/* painted: normals and colours are wanted, too. */
+/* TEXCOORD_0, which may be missing: empty then. */
+std::vector<float> read_coordinates(const tinygltf::Model& model, const tinygltf::Primitive& primitive, size_t count) {
+  auto found = primitive.attributes.find("TEXCOORD_0");
+  if (found == primitive.attributes.end()) return {};
+  const tinygltf::Accessor& accessor = at(model.accessors, found->second, "accessor");
+  const bool real = accessor.componentType == TINYGLTF_COMPONENT_TYPE_FLOAT;
+  const bool wide = accessor.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT;
+  if (accessor.type != TINYGLTF_TYPE_VEC2 ||
+      !(real || (accessor.normalized && (wide || accessor.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE))))
+    throw fault("TEXCOORD_0 is of a type that is not read");
+  if (accessor.count != count) throw fault("TEXCOORD_0 has not one element a vertex");
+  const size_t component = real ? 4 : wide ? 2 : 1;
+  size_t stride;
+  const unsigned char* bytes = elements(model, accessor, 2 * component, &stride);
+  std::vector<float> out(count * 2);
+  for (size_t i = 0; i < out.size(); ++i) {
+    const unsigned char* from = bytes + i / 2 * stride + i % 2 * component;
+    if (real)
+      std::memcpy(&out[i], from, 4);
+    else
+      out[i] = wide ? float(from[0] | from[1] << 8) / 65535.0f : float(from[0]) / 255.0f;
+    if (!std::isfinite(out[i])) throw fault("TEXCOORD_0 is not finite");
+  }
+  return out;
+}
+
+/* painted: normals and colours are wanted, but no UVs. */
 void read_plain(const tinygltf::Model& model, const tinygltf::Primitive& primitive, bool painted, soup& out) {
   auto found = primitive.attributes.find("POSITION");
   if (found == primitive.attributes.end()) throw fault("a mesh has no POSITION");
@@ -210,6 +238,8 @@ void read_plain(const tinygltf::Model& model, const tinygltf::Primitive& primiti
   if (painted) {
     out.normals = read_vectors(model, primitive, "NORMAL", place.count);
     out.colours = read_vectors(model, primitive, "COLOR_0", place.count);
+  } else {
+    out.coordinates = read_coordinates(model, primitive, place.count);
   }
   if (primitive.indices < 0) {
     for (uint32_t i = 0; i < place.count; ++i) out.indices.push_back(i);
@@ -269,6 +299,17 @@ void read_draco(const tinygltf::Model& model, const tinygltf::Value& extension, 
       if (!vectors->ConvertValue<float>(vectors->mapped_index(i), vectors->num_components(), value))
         throw fault(std::string("Draco: broken ") + name);
       std::memcpy(&to[size_t(i.value()) * 3], value, 12);
+    }
+  }
+  if (!painted && attributes.Has("TEXCOORD_0") && attributes.Get("TEXCOORD_0").IsInt()) {
+    const int own = attributes.Get("TEXCOORD_0").Get<int>();
+    const draco::PointAttribute* pairs = own >= 0 ? mesh.GetAttributeByUniqueId(uint32_t(own)) : nullptr;
+    if (pairs == nullptr || pairs->num_components() != 2) throw fault("Draco: no such TEXCOORD_0");
+    out.coordinates.resize(size_t(mesh.num_points()) * 2);
+    for (draco::PointIndex i(0); i < mesh.num_points(); ++i) {
+      float* to = &out.coordinates[size_t(i.value()) * 2];
+      if (!pairs->ConvertValue<float>(pairs->mapped_index(i), 2, to)) throw fault("Draco: broken TEXCOORD_0");
+      if (!std::isfinite(to[0]) || !std::isfinite(to[1])) throw fault("TEXCOORD_0 is not finite");
     }
   }
   for (draco::FaceIndex f(0); f < mesh.num_faces(); ++f) {
@@ -388,6 +429,9 @@ void append(const soup& part, const matrix& to_world, soup& out) {
       uint32_t index = part.indices[i + (k == 0 ? 0 : k == 1 ? second : 3 - second)];
       if (index >= count) throw fault("an index points past the last vertex");
       out.indices.push_back(base + index);
+      if (part.coordinates.empty()) continue;
+      out.uvs.push_back(part.coordinates[size_t(index) * 2]);
+      out.uvs.push_back(part.coordinates[size_t(index) * 2 + 1]);
     }
   }
 }
@@ -507,9 +551,11 @@ extern "C" scree_result mesh_read_gltf(const char* bytes, size_t size, const cha
   if (result != SCREE_OK) return result;
   out->positions = copy_of(all.positions);
   out->indices = copy_of(all.indices);
+  const bool whole = all.uvs.size() == all.indices.size() * 2; /* no part is without */
+  if (whole) out->uvs = copy_of(all.uvs);
   out->vertex_count = all.vertex_count();
   out->triangle_count = uint32_t(all.indices.size() / 3);
-  if (out->positions != nullptr && out->indices != nullptr) return SCREE_OK;
+  if (out->positions != nullptr && out->indices != nullptr && (out->uvs != nullptr || !whole)) return SCREE_OK;
   triangle_mesh_free(out);
   return fail_with(error, SCREE_ERROR_OUT_OF_MEMORY, "%s: out of memory", file);
 }

@@ -15,7 +15,18 @@ typedef struct reader {
   uint32_t line;
   triangle_mesh mesh;
   size_t vertex_room, triangle_room;
+  float* coordinates; /* u, v of each vt of an OBJ file, v turned */
+  uint32_t coordinate_count;
+  size_t coordinate_room, uv_room;
+  bool lacks_uvs; /* a triangle has none, so that those of all others are of no use */
 } reader;
+
+/* Of a face. Numbers from 0. */
+typedef struct corner {
+  uint32_t vertex, coordinate; /* coordinate: NO_COORDINATE where it has none */
+} corner;
+
+#define NO_COORDINATE UINT32_MAX
 
 static bool is_space(char c) {
   return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
@@ -102,30 +113,65 @@ static bool add_vertex(reader* r) {
   return true;
 }
 
-static bool add_triangle(reader* r, uint32_t a, uint32_t b, uint32_t c) {
+/* u, and v where it is there. v runs up in OBJ. */
+static bool add_coordinate(reader* r) {
+  float uv[2] = {0, 0};
+  if (!read_float(r, &uv[0])) return false;
+  skip_spaces(r);
+  if (!is_end(*r->at) && *r->at != '#' && !read_float(r, &uv[1])) return false;
+  uv[1] = 1 - uv[1];
+  if (r->coordinate_count >= INT32_MAX) return fail(r, "too many texture coordinates");
+  float* coordinates = with_room(r->coordinates, &r->coordinate_room, (size_t)r->coordinate_count + 1, sizeof uv);
+  if (coordinates == NULL) return fail_memory(r);
+  r->coordinates = coordinates;
+  memcpy(coordinates + 2 * (size_t)r->coordinate_count++, uv, sizeof uv);
+  return true;
+}
+
+/* Of the triangle that is about to be added. */
+static bool add_uvs(reader* r, const corner corners[3]) {
+  for (int k = 0; k < 3; ++k) r->lacks_uvs = r->lacks_uvs || corners[k].coordinate == NO_COORDINATE;
+  if (r->lacks_uvs) return true;
+  float* uvs = with_room(r->mesh.uvs, &r->uv_room, (size_t)r->mesh.triangle_count + 1, 6 * sizeof *uvs);
+  if (uvs == NULL) return fail_memory(r);
+  r->mesh.uvs = uvs;
+  for (size_t k = 0; k < 3; ++k)
+    memcpy(uvs + 6 * (size_t)r->mesh.triangle_count + 2 * k, r->coordinates + 2 * (size_t)corners[k].coordinate, 2 * sizeof *uvs);
+  return true;
+}
+
+static bool add_triangle(reader* r, corner a, corner b, corner c) {
   if (r->mesh.triangle_count >= INT32_MAX) return fail(r, "too many triangles");
   uint32_t* indices = with_room(r->mesh.indices, &r->triangle_room, (size_t)r->mesh.triangle_count + 1, 3 * sizeof *indices);
   if (indices == NULL) return fail_memory(r);
   r->mesh.indices = indices;
-  const uint32_t corners[3] = {a, b, c};
-  memcpy(indices + 3 * (size_t)r->mesh.triangle_count++, corners, sizeof corners);
+  const corner corners[3] = {a, b, c};
+  if (!add_uvs(r, corners)) return false;
+  for (size_t k = 0; k < 3; ++k) indices[3 * (size_t)r->mesh.triangle_count + k] = corners[k].vertex;
+  ++r->mesh.triangle_count;
   return true;
 }
 
 /* Adds the triangles of a polygon, one corner after the other. */
 typedef struct fan {
-  uint32_t first, last, corners;
+  corner first, last;
+  uint32_t corners;
 } fan;
 
-static bool add_corner(reader* r, fan* polygon, uint32_t vertex) {
-  if (polygon->corners == 0) polygon->first = vertex;
-  if (polygon->corners >= 2 && !add_triangle(r, polygon->first, polygon->last, vertex)) return false;
-  polygon->last = vertex;
+static bool add_corner(reader* r, fan* polygon, corner next) {
+  if (polygon->corners == 0) polygon->first = next;
+  if (polygon->corners >= 2 && !add_triangle(r, polygon->first, polygon->last, next)) return false;
+  polygon->last = next;
   ++polygon->corners;
   return true;
 }
 
 static scree_result finish(reader* r, triangle_mesh* out) {
+  free(r->coordinates);
+  if (r->lacks_uvs) {
+    free(r->mesh.uvs);
+    r->mesh.uvs = NULL;
+  }
   if (r->result == SCREE_OK) {
     *out = r->mesh;
   } else {
@@ -139,19 +185,29 @@ static reader start(const char* bytes, const char* file, scree_error* error) {
   return (reader){.at = bytes, .file = file, .error = error, .line = 1};
 }
 
-/* A corner of an OBJ face: "7", "7/1", "7//2" or "7/1/2"; negative numbers count back from the last vertex. */
-static bool obj_corner(reader* r, fan* polygon) {
+/* The number of one of the `count` vertices or texture coordinates before it; negative ones count back from the last. */
+static bool obj_index(reader* r, uint32_t count, const char* unknown, uint32_t* out) {
   long long number;
   if (!read_integer(r, &number)) return false;
-  if (number < 0) number += (long long)r->mesh.vertex_count + 1;
-  if (number < 1 || number > (long long)r->mesh.vertex_count) return fail(r, "a face names a vertex that does not exist");
+  if (number < 0) number += (long long)count + 1;
+  if (number < 1 || number > (long long)count) return fail(r, unknown);
+  *out = (uint32_t)(number - 1);
+  return true;
+}
+
+/* A corner of an OBJ face: "7", "7/1", "7//2" or "7/1/2". */
+static bool obj_corner(reader* r, fan* polygon) {
+  corner next = {0, NO_COORDINATE};
+  if (!obj_index(r, r->mesh.vertex_count, "a face names a vertex that does not exist", &next.vertex)) return false;
   for (int i = 0; i < 2 && *r->at == '/'; ++i) {
     long long ignored;
     ++r->at;
-    if (*r->at != '/' && !is_space(*r->at) && !is_end(*r->at) && !read_integer(r, &ignored)) return false;
+    if (*r->at == '/' || is_space(*r->at) || is_end(*r->at)) continue;
+    if (i == 1 && !read_integer(r, &ignored)) return false;
+    if (i == 0 && !obj_index(r, r->coordinate_count, "a face names a vt that does not exist", &next.coordinate)) return false;
   }
   if (!is_space(*r->at) && !is_end(*r->at)) return fail(r, "expected a corner such as 7, 7/1, 7//2 or 7/1/2");
-  return add_corner(r, polygon, (uint32_t)(number - 1));
+  return add_corner(r, polygon, next);
 }
 
 static bool obj_face(reader* r) {
@@ -178,6 +234,9 @@ scree_result mesh_read_obj(const char* bytes, size_t size, const char* file, tri
     if (r.at[0] == 'v' && word_ends) {
       ++r.at;
       add_vertex(&r);
+    } else if (r.at[0] == 'v' && r.at[1] == 't' && is_space(r.at[2])) {
+      r.at += 2;
+      add_coordinate(&r);
     } else if (r.at[0] == 'f' && word_ends) {
       ++r.at;
       obj_face(&r);
@@ -213,8 +272,8 @@ static bool off_face(reader* r) {
   if (!off_count(r, INT32_MAX, &corners)) return false;
   if (corners < 3) return fail(r, "a face has fewer than 3 corners");
   for (uint32_t i = 0; i < corners; ++i) {
-    uint32_t vertex;
-    if (!off_count(r, r->mesh.vertex_count - 1, &vertex) || !add_corner(r, &polygon, vertex)) return false;
+    corner next = {0, NO_COORDINATE};
+    if (!off_count(r, r->mesh.vertex_count - 1, &next.vertex) || !add_corner(r, &polygon, next)) return false;
   }
   return true;
 }

@@ -69,9 +69,12 @@ static scree_result read_mesh(const char* file, shard_files* out, scree_error* e
   else {
     for (size_t i = 0; i < count; ++i) out->positions[i] = (double)mesh.positions[i];
     out->indices = mesh.indices;
+    out->uvs = mesh.uvs;
     mesh.indices = NULL;
+    mesh.uvs = NULL;
     out->mesh = (scree_solid){.positions = out->positions,
                               .indices = out->indices,
+                              .uvs = out->uvs,
                               .vertex_count = mesh.vertex_count,
                               .triangle_count = mesh.triangle_count};
   }
@@ -164,6 +167,7 @@ void shard_files_give(const shard_files* files, scree_shard_desc* desc) {
 void shard_files_free(shard_files* files) {
   free(files->positions);
   free(files->indices);
+  free(files->uvs);
   free(files->heights);
   free(files->hoodoo);
   start_files_free(&files->hoodoo_files);

@@ -21,6 +21,7 @@ typedef struct shard_files {
   scree_solid mesh; /* of the file, when the input is a mesh */
   double* positions;
   uint32_t* indices;
+  float* uvs;     /* NULL where the file has none */
   float* heights; /* when it is a terrain: metres */
   uint32_t width, depth;
   scree_hoodoo_recipe* hoodoo; /* when it is a hoodoo */

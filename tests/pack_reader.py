@@ -266,6 +266,15 @@ class Pack:
         check(max(corners) < vertices, name + "triangles of a plain mesh")
         mesh = [corners[i : i + 3] for i in range(0, len(corners), 3)]
         check(mesh_digest(positions, occlusion, mesh, surface, uvs) == digest, name + "digest of a plain mesh")
+        return positions, surface, uvs, mesh
+
+    def coarsest_of(self, number):
+        """Positions, surface, UVs as they are stored, and triangles."""
+        level = (number + 1) * self.lod_count - 1
+        digest, triangles, _ = self.lods[level]
+        offset, size, vertices = self.blob_index[level]
+        blob = self.sections[BLOBS][4 * offset : 4 * offset + size]
+        return self.check_plain_mesh(f"mesh {number}: ", blob, vertices, triangles, digest)
 
     def contacts_of(self, asset):
         return self.contacts[asset["first_contact"] : asset["first_contact"] + asset["contact_count"]]

@@ -132,9 +132,39 @@ static scree_result read_obj(scree_error* error) {
   return result;
 }
 
+static scree_result read_mapped_obj(scree_error* error) {
+  static const char text[] =
+      "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvt 0 1\nf 1/1 3/1 2/1\nf 1/1 2/1 4/1\nf 2/1 3/1 4/1\nf 3/1 1/1 4/1\n";
+  triangle_mesh mesh;
+  scree_result result = mesh_read_obj(text, strlen(text), "m.obj", &mesh, error);
+  if (result == SCREE_OK) assert_non_null(mesh.uvs);
+  if (result == SCREE_OK && triangle_mesh_weld(&mesh) != SCREE_OK) result = out_of_memory(error);
+  triangle_mesh_free(&mesh);
+  return result;
+}
+
+/* One triangle and its UVs, all zeros. */
+static scree_result read_mapped_gltf(scree_error* error) {
+  static const char text[] =
+      "{\"asset\": {\"version\": \"2.0\"}, \"buffers\": [{\"byteLength\": 36, \"uri\": "
+      "\"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAA\"}],"
+      "\"bufferViews\": [{\"buffer\": 0, \"byteLength\": 36}], \"accessors\": ["
+      "{\"bufferView\": 0, \"componentType\": 5126, \"count\": 3, \"type\": \"VEC3\"},"
+      "{\"bufferView\": 0, \"componentType\": 5126, \"count\": 3, \"type\": \"VEC2\"}],"
+      "\"meshes\": [{\"primitives\": [{\"attributes\": {\"POSITION\": 0, \"TEXCOORD_0\": 1}}]}],"
+      "\"nodes\": [{\"mesh\": 0}], \"scenes\": [{\"nodes\": [0]}]}";
+  triangle_mesh mesh;
+  scree_result result = mesh_read_gltf(text, strlen(text), "m.gltf", &mesh, error);
+  if (result == SCREE_OK) assert_non_null(mesh.uvs);
+  triangle_mesh_free(&mesh);
+  return result;
+}
+
 static void reading_a_mesh_survives(void** state) {
   (void)state;
   fail_each(read_obj, 4);
+  fail_each(read_mapped_obj, 6);
+  fail_each(read_mapped_gltf, 3);
 }
 
 static struct {

@@ -230,7 +230,8 @@ SCREE_API scree_result scree_pack_get_placements(const scree_pack* pack, uint32_
                                                  scree_block_placement* placements);
 
 /* UVs of a vertex, for a vertex buffer of unsigned normalised 16-bit numbers: u = uv_min[0] + (uv_max[0] - uv_min[0]) * value /
- * 65535 with the range of scree_pack_info, v likewise. */
+ * 65535 with the range of scree_pack_info, v likewise. v runs down: 0 is the first row of a picture, as in glTF, Vulkan and
+ * Direct3D. */
 typedef struct scree_uv {
   uint16_t u, v;
 } scree_uv;

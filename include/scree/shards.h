@@ -26,7 +26,7 @@ extern "C" {
 typedef struct scree_solid {
   const double* positions; /* 3 * vertex_count */
   const uint32_t* indices; /* 3 * triangle_count, counter-clockwise from outside */
-  const float* uvs;        /* 6 * triangle_count: u, v of each triangle's corners; NULL = none */
+  const float* uvs;        /* 6 * triangle_count: u, v of each triangle's corners, v down as in packs; NULL = none */
   uint32_t vertex_count, triangle_count;
 } scree_solid;
 
@@ -45,7 +45,7 @@ typedef struct scree_solid_memory {
 SCREE_API scree_result scree_solid_check(const scree_solid* solid, const scree_allocator* allocator, scree_error* error);
 
 /* A terrain closed by a skirt and a base: heights[width * depth], x fastest then z, `spacing` apart, centred on x = z = 0, down to
- * `base`, which must be below every height. u, v run 0..1 over the terrain; the skirt has those of its border.
+ * `base`, which must be below every height. u, v run 0..1 along x and z over the terrain; the skirt has those of its border.
  * Returns SCREE_OK, INVALID_ARGUMENT, RANGE or OUT_OF_MEMORY. */
 SCREE_API scree_result scree_solid_from_heights(const float* heights, uint32_t width, uint32_t depth, double spacing, double base,
                                                 const scree_allocator* allocator, scree_solid_memory* out, scree_error* error);
