@@ -6,6 +6,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -15,8 +16,11 @@
 #include "frost_twin.h"
 #include "make_hill.h"
 #include "make_shards.h"
+#include "make_solids.h"
 #include "random_frost.h"
 #include "rounds.h"
+
+static const char* folder = "."; /* with meshes: those that are not there are left out */
 
 /* --- the twin ---------------------------------------------------------------------------------------------------------------- */
 
@@ -124,6 +128,73 @@ static void states_are_the_twins_on_voronoi_shards(void** state) {
   }
   assert_int_equal(walks, 0);
   assert_true(falls > ROUNDS(150, 4));
+}
+
+static scree_shards* split(const solid_mesh* mesh, uint32_t count, uint64_t seed) {
+  const scree_seed_pattern pattern = {.kind = SCREE_SEEDS_RANDOM, .count = count, .random_seed = seed};
+  scree_shards_desc desc = {.solid = {.positions = mesh->positions,
+                                      .indices = mesh->indices,
+                                      .vertex_count = mesh->vertex_count,
+                                      .triangle_count = mesh->triangle_count}};
+  scree_shards* shards = NULL;
+  scree_error error;
+  double* seeds;
+  if (scree_seeds_create(&pattern, &desc.solid, NULL, &seeds, &desc.seed_count, &error) != SCREE_OK) fail_msg("%s", error.message);
+  desc.seeds = seeds;
+  if (scree_shards_create(&desc, &shards, &error) != SCREE_OK) fail_msg("%s", error.message);
+  scree_seeds_free(NULL, seeds, desc.seed_count);
+  return shards;
+}
+
+/* Cells that fall into pieces, links with holes, many exterior links: state for state, water and volume kept, core where it was. */
+static void states_are_the_twins_on_concave_meshes(void** state) {
+  (void)state;
+  static const char* const names[] = {"", "elephant", "knot1", "armadillo", "bunny00"};
+  uint64_t falls = 0;
+  for (size_t n = 0; n < ROUNDS(sizeof names / sizeof *names, 5); ++n) {
+    solid_mesh mesh;
+    char path[1024];
+    snprintf(path, sizeof path, "%s/%s.off", folder, names[n]);
+    if (n == 0)
+      mesh = solid_goblin(20, 60);
+    else if (!solid_read_off(path, &mesh))
+      continue;
+    for (uint64_t round = 0; round < 2; ++round) {
+      scree_shards* shards = split(&mesh, 50, round + 1);
+      const scree_shards_view* v = &shards->view;
+      random_stream stream = {500 + 10 * n + round};
+      scree_frost_rules rules;
+      random_frost_rules(&stream, &rules);
+      rules.rains[0] = (scree_rain){{0, -1, 0.2}, 0.8, 1};
+      rules.damage = 2;
+      rules.fall = SCREE_FALL_KEPT;
+      uint8_t* states = calloc(v->shard_count, 1);
+      assert_non_null(states);
+      for (uint32_t s = 0; s < v->shard_count && round == 1; ++s)
+        states[s] = v->shards[s].centroid[1] < v->min[1] + 0.3 * (v->max[1] - v->min[1]) ? SCREE_SHARD_CORE : SCREE_SHARD_SOLID;
+      scree_frost* f = must_freeze(shards, &rules, states, n);
+      frost_twin* twin = frost_twin_create(f);
+      run_both(f, twin, 400, 40, false);
+      scree_frost_stats stats;
+      scree_frost_get_stats(f, &stats);
+      for (uint32_t s = 0; s < v->shard_count; ++s)
+        assert_int_equal(states[s] == SCREE_SHARD_CORE, f->states[s] == SCREE_SHARD_CORE);
+      assert_true(fabs(stats.poured - stats.absorbed - stats.drained) <= 1e-12 * stats.poured);
+      const scree_block* blocks;
+      const uint32_t* list;
+      double volume = stats.volume;
+      const uint32_t count = scree_frost_blocks(f, &blocks, &list);
+      for (uint32_t b = 0; b < count; ++b) volume += blocks[b].volume;
+      assert_true(fabs(volume - stats.start_volume) <= 1e-12 * stats.start_volume * v->shard_count);
+      falls += stats.detachments;
+      free(states);
+      frost_twin_destroy(twin);
+      scree_frost_destroy(f);
+      scree_shards_destroy(shards);
+    }
+    solid_mesh_free(&mesh);
+  }
+  assert_true(falls >= 5);
 }
 
 /* --- formulas ---------------------------------------------------------------------------------------------------------------- */
@@ -479,10 +550,12 @@ static void runs_repeat_to_the_bit(void** state) {
   scree_shards_destroy(shards);
 }
 
-int main(void) {
+int main(int argc, char** argv) {
+  if (argc > 1) folder = argv[1];
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(states_are_the_twins_on_random_lattices_and_rules),
       cmocka_unit_test(states_are_the_twins_on_voronoi_shards),
+      cmocka_unit_test(states_are_the_twins_on_concave_meshes),
       cmocka_unit_test(paths_start_by_area_and_direction),
       cmocka_unit_test(several_rains_share_paths_by_weight),
       cmocka_unit_test(water_flows_by_gravity_and_resistance),

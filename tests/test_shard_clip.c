@@ -489,6 +489,46 @@ static void concave_solids_become_shards(void** state) {
   }
 }
 
+/* Cells are made within a box around the surface that they have and their nearest neighbours. Here the surface is a bubble, the
+ * neighbours are a cluster on one side, and the cell reaches far away on the other: the box has to grow. */
+static void cells_reach_far_beyond_the_little_surface_that_they_have(void** state) {
+  (void)state;
+  enum { CLUSTER = 9, SEEDS = 90 };
+  const double corner[3] = {-15, -15, -15}, opposite[3] = {15, 15, 15}, zero[3] = {0, 0, 0};
+  box_solid box, unit;
+  make_box(&box, corner, opposite);
+  make_box(&unit, zero, (const double[3]){1, 1, 1});
+  const solid_mesh outside = {box.positions, box.indices, 8, 12}, bubble = {unit.positions, unit.indices, 8, 12};
+  for (uint32_t round = 1; round <= ROUNDS(10, 5); ++round)
+    for (int bubbles = 0; bubbles < 2; ++bubbles) { /* without one, the cell has no surface at all */
+      solid_mesh mesh = {0};
+      solid_add(&mesh, &outside, zero, 1);
+      if (bubbles == 1) solid_add(&mesh, &bubble, (const double[3]){0.053, 0.057, 0.049}, -0.1); /* around the first seed */
+      double* seeds = random_seeds(&outside, SEEDS, round);
+      for (size_t k = 0; k < SEEDS; ++k) {
+        double length2 = 0;
+        for (size_t a = 0; a < 3; ++a) length2 += seeds[3 * k + a] * seeds[3 * k + a];
+        for (size_t a = 0; a < 3; ++a) {
+          const double part = seeds[3 * k + a] / 15;
+          seeds[3 * k + a] = k == 0 ? 0 : k < CLUSTER ? 0.3 * part + (a == 0) : 120 * part / sqrt(length2);
+        }
+      }
+      shard_pieces pieces;
+      uint32_t moves;
+      assert_int_equal(cut_moving(&mesh, seeds, SEEDS, &pieces, &moves), SCREE_OK);
+      const shard_input input = input_of(&mesh, seeds, SEEDS);
+      double volumes[SEEDS];
+      pieces_facts facts;
+      pieces_judge(&input, &pieces, volumes, &facts);
+      assert_whole(&facts, "bubble");
+      assert_true(fabs(volumes[0] - cell_volume_twin(&input, 0)) <= 1e-9 * volumes[0]);
+      assert_true(volumes[0] > 50); /* of the bubble, 0.001 */
+      shard_pieces_free(&pieces, &input.allocator);
+      free(seeds);
+      solid_mesh_free(&mesh);
+    }
+}
+
 static void shards_of_crossing_surfaces_are_refused_with_a_reason(void** state) {
   (void)state;
   solid_mesh mesh = solid_torus(2, 0.7, 20, 10), other = solid_torus(2, 0.7, 20, 10);
@@ -513,6 +553,7 @@ int main(int argc, char** argv) {
       cmocka_unit_test(a_torus_is_cut),
       cmocka_unit_test(a_box_with_a_hole_is_cut),
       cmocka_unit_test(a_u_around_one_seed_falls_into_two),
+      cmocka_unit_test(cells_reach_far_beyond_the_little_surface_that_they_have),
       cmocka_unit_test(one_seed_has_all),
       cmocka_unit_test(hollows_stay_hollow),
       cmocka_unit_test(a_hollow_within_a_cell_is_a_surface_of_its_own),
