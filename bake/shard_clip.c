@@ -25,7 +25,11 @@ static void work_free(clip_work* work) {
   scree_rt_release(allocator, work->segments, work->segment_capacity, sizeof *work->segments);
   scree_rt_release(allocator, work->parts, work->part_capacity, sizeof *work->parts);
   scree_rt_release(allocator, work->lists, work->input->seed_count, sizeof *work->lists);
-  scree_rt_release(allocator, work->near, work->near_capacity, sizeof *work->near);
+  while (work->page != NULL) {
+    clip_near_page* page = work->page;
+    work->page = page->before;
+    scree_rt_release(allocator, page, 1, sizeof *page + page->capacity * sizeof *page->near);
+  }
   scree_rt_release(allocator, work->boxes, work->input->seed_count, sizeof *work->boxes);
 }
 
@@ -50,10 +54,23 @@ static scree_result work_create(const shard_input* input, clip_work* work) {
   return SCREE_OK;
 }
 
+/* Room for what a mesh finer than its cells makes, about: what grows is copied, and touches memory twice. Before all else, so that
+ * what follows is given back in one part. */
+static scree_result reserve_pieces(const shard_input* input, shard_pieces* out) {
+  const scree_allocator* allocator = &input->allocator;
+  const size_t vertices = input->vertex_count, triangles = input->triangle_count, seeds = input->seed_count;
+  scree_result result = clip_reserve_(allocator, (void**)&out->vertices, &out->vertex_capacity, 0, 4 * vertices / 3 + 5 * seeds,
+                                      3 * sizeof *out->vertices);
+  if (result == SCREE_OK) result = clip_reserve(allocator, &out->corners, &out->corner_capacity, 0, 4 * triangles + 28 * seeds);
+  if (result == SCREE_OK) result = clip_reserve(allocator, &out->pieces, &out->piece_capacity, 0, triangles + 6 * seeds);
+  return result;
+}
+
 scree_result shard_clip_cut(const shard_input* input, shard_pieces* out) {
   clip_work work = {.input = input, .allocator = &input->allocator};
   *out = (shard_pieces){0};
-  scree_result result = work_create(input, &work);
+  scree_result result = reserve_pieces(input, out);
+  if (result == SCREE_OK) result = work_create(input, &work);
   if (result == SCREE_OK) result = clip_surface(&work, out);
   if (result == SCREE_OK) result = clip_faces(&work, out);
   work_free(&work);

@@ -42,10 +42,17 @@ typedef struct clip_near {
 
 /* The seeds around one, nearest first: all that are nearer than `reach`. */
 typedef struct clip_near_list {
-  size_t first;
+  const clip_near* near;
   uint32_t count;
   double reach2;
 } clip_near_list;
+
+/* Memory of lists. A list lies in one page. */
+typedef struct clip_near_page {
+  struct clip_near_page* before;
+  size_t count, capacity;
+  clip_near near[];
+} clip_near_page;
 
 typedef struct clip_box {
   double min[3], max[3]; /* min > max: nothing */
@@ -65,8 +72,7 @@ typedef struct clip_work {
   uint32_t vertex_capacity, segment_capacity, part_capacity;
 
   clip_near_list* lists; /* of each seed; reach2 = 0: not made yet */
-  clip_near* near;
-  size_t near_count, near_capacity;
+  clip_near_page* page;  /* the last one */
 
   clip_box* boxes; /* of each seed: of its parts */
 } clip_work;
@@ -77,7 +83,7 @@ scree_result clip_reserve_(const scree_allocator* allocator, void** memory, uint
 #define clip_reserve(allocator, memory, capacity, count, needed) \
   ((needed) <= *(capacity) ? SCREE_OK : clip_reserve_(allocator, (void**)(memory), capacity, count, needed, sizeof **(memory)))
 
-/* Seeds at least `distance2` around one, sorted. Moves the lists of others. */
+/* Seeds at least `distance2` around one, sorted. */
 scree_result clip_near_find(clip_work* work, uint32_t seed, double distance2);
 
 /* Cuts all triangles: fills vertices, segments, parts, boxes; out->vertices and out->corners. */

@@ -102,8 +102,8 @@ static scree_result find_states(face_maker* f) {
       if (result != SCREE_OK) return result;
       /* Nowhere is the surface nearer than half the way to the nearest seed, but straight below an edge there may be doubt. */
       for (uint32_t k = 0; !sure && k < work->lists[seed].count && k < 16; ++k) {
-        const clip_near* near = &work->near[work->lists[seed].first + k];
-        const double share = 0.3 * sqrt(work->near[work->lists[seed].first].distance2 / near->distance2);
+        const clip_near* near = &work->lists[seed].near[k];
+        const double share = 0.3 * sqrt(work->lists[seed].near[0].distance2 / near->distance2);
         double by[3];
         for (int axis = 0; axis < 3; ++axis) by[axis] = at[axis] + share * near->to[axis];
         result = place_of(f, by, &inside, &sure);
@@ -493,7 +493,7 @@ static scree_result make_cell(face_maker* f, uint32_t seed) {
   double margin = 1.6 * work->spacing;
   if (f->states[seed] == CELL_CUT && work->lists[seed].count > 0) {
     const clip_near_list* list = &work->lists[seed];
-    margin = sqrt(work->near[list->first + (list->count > 8 ? 8 : list->count - 1)].distance2);
+    margin = sqrt(list->near[list->count > 8 ? 8 : list->count - 1].distance2);
   }
   for (int axis = 0; axis < 3; ++axis) {
     box.min[axis] = (at[axis] < box.min[axis] ? at[axis] : box.min[axis]) - margin;
@@ -600,7 +600,8 @@ scree_result clip_faces(clip_work* work, shard_pieces* out) {
     result = clip_rays_create(work->input, &work->solid, allocator, &f.rays);
   if (result == SCREE_OK) {
     for (uint32_t v = 0; v < f.vertex_count; ++v) f.next[v] = CLIP_NONE;
-    result = make_all(&f);
+    result = clip_reserve(allocator, &f.corners, &f.corner_capacity, 0, (size_t)7 * seed_count);
+    if (result == SCREE_OK) result = make_all(&f);
   }
   voronoi_cell_free(&f.cell);
   clip_rays_free(&f.rays, allocator);

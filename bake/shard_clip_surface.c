@@ -52,15 +52,19 @@ static void sort_near(clip_near* list, uint32_t count) {
   }
 }
 
-static scree_result reserve_near(clip_work* work, size_t kept, size_t needed) {
-  if (needed <= work->near_capacity) return SCREE_OK;
-  const size_t capacity = needed + needed / 2 + 4096;
-  clip_near* memory = scree_rt_allocate(work->allocator, capacity, sizeof *memory);
-  if (memory == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
-  if (kept > 0) memcpy(memory, work->near, kept * sizeof *memory);
-  scree_rt_release(work->allocator, work->near, work->near_capacity, sizeof *memory);
-  work->near = memory;
-  work->near_capacity = capacity;
+/* Makes room for `more` of a list that the last page ends with, and has `kept` so far. */
+static scree_result reserve_near(clip_work* work, size_t kept, size_t more) {
+  enum { PAGE = 2048 };
+  const clip_near_page* last = work->page;
+  if (last != NULL && last->count + more <= last->capacity) return SCREE_OK;
+  const size_t capacity = kept + more > PAGE / 2 ? 2 * (kept + more) : PAGE;
+  if (capacity > SIZE_MAX / sizeof(clip_near) / 2) return SCREE_ERROR_OUT_OF_MEMORY;
+  clip_near_page* page = scree_rt_allocate(work->allocator, 1, sizeof *page + capacity * sizeof *page->near);
+  if (page == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
+  *page = (clip_near_page){.before = work->page, .count = kept, .capacity = capacity};
+  if (kept > 0) memcpy(page->near, last->near + last->count - kept, kept * sizeof *page->near);
+  if (work->page != NULL) work->page->count -= kept;
+  work->page = page;
   return SCREE_OK;
 }
 
@@ -83,20 +87,21 @@ static double gap_to(const voronoi_grid* grid, int axis, uint32_t box, double x)
 }
 
 /* Adds the seeds of boxes first .. end - 1, those within reach. */
-static scree_result take_near(clip_work* work, uint32_t seed, size_t first_box, size_t end_box, double reach2, size_t* count) {
+static scree_result take_near(clip_work* work, uint32_t seed, size_t first_box, size_t end_box, double reach2, uint32_t* count) {
   const voronoi_grid* grid = &work->grid;
   const double* at = &work->input->seeds[3 * (size_t)seed];
   const uint32_t first = grid->first[first_box], end = grid->first[end_box];
-  const scree_result result = reserve_near(work, *count, *count + (end - first));
+  const scree_result result = reserve_near(work, *count, end - first);
   if (result != SCREE_OK) return result;
-  clip_near* next = work->near + *count;
+  clip_near *const list_end = work->page->near + work->page->count, *next = list_end;
   for (uint32_t k = first; k < end; ++k) {
     const double* point = &grid->points[3 * (size_t)k];
     const double to[3] = {point[0] - at[0], point[1] - at[1], point[2] - at[2]}, distance2 = dot(to, to);
     *next = (clip_near){{to[0], to[1], to[2]}, distance2, grid->order[k]}; /* overwritten unless it counts */
     next += (int)(distance2 < reach2) & (int)(grid->order[k] != seed);
   }
-  *count = (size_t)(next - work->near);
+  work->page->count += (size_t)(next - list_end);
+  *count += (uint32_t)(next - list_end);
   return SCREE_OK;
 }
 
@@ -107,14 +112,15 @@ scree_result clip_near_find(clip_work* work, uint32_t seed, double distance2) {
   const double* at = &work->input->seeds[3 * (size_t)seed];
   double reach = list->reach2 > 0 ? 1.5 * sqrt(list->reach2) : 1.6 * work->spacing;
   while (reach * reach < distance2) reach *= 1.5;
+  /* A list that was made last gives its place to the longer one. */
+  if (list->reach2 > 0 && list->near + list->count == work->page->near + work->page->count) work->page->count -= list->count;
   for (;; reach *= 1.5) {
     uint32_t x[2], y[2], z[2];
     bool all = boxes_within(grid, 0, at[0], reach, x);
     all = boxes_within(grid, 1, at[1], reach, y) && all;
     all = boxes_within(grid, 2, at[2], reach, z) && all;
     const double reach2 = all ? INFINITY : reach * reach;
-    const size_t first = work->near_count;
-    size_t count = first;
+    uint32_t count = 0;
     for (uint32_t k = z[0]; k <= z[1]; ++k) {
       const double gap_z = gap_to(grid, 2, k, at[2]);
       for (uint32_t j = y[0]; j <= y[1]; ++j) {
@@ -126,10 +132,13 @@ scree_result clip_near_find(clip_work* work, uint32_t seed, double distance2) {
         if (result != SCREE_OK) return result;
       }
     }
-    if (!all && count - first < ENOUGH) continue;
-    sort_near(&work->near[first], (uint32_t)(count - first));
-    work->near_count = count;
-    *list = (clip_near_list){first, (uint32_t)(count - first), reach2};
+    clip_near* near = work->page->near + work->page->count - count;
+    if (!all && count < ENOUGH) {
+      work->page->count -= count;
+      continue;
+    }
+    sort_near(near, count);
+    *list = (clip_near_list){near, count, reach2};
     return SCREE_OK;
   }
 }
@@ -144,7 +153,7 @@ static scree_result walk(clip_work* work, const double at[3], uint32_t* cell) {
       if (result != SCREE_OK) return result;
     }
     const clip_near_list* list = &work->lists[*cell];
-    const clip_near* near = &work->near[list->first];
+    const clip_near* near = list->near;
     uint32_t best = CLIP_NONE;
     double least = 0;
     bool unsure = false;
@@ -329,14 +338,14 @@ static scree_result make_part(clip_work* work, const uint32_t* triangle, uint32_
    * along the way to the seed. The slack is far above what rounding and the rows' errors make. */
   const double far = 4.004 * span2, slack = 1e-9 * all2;
   const clip_near_list* list = &work->lists[cell];
-  const clip_near* near = &work->near[list->first];
+  const clip_near* near = list->near;
   uint32_t count = list->count;
   for (uint32_t k = 0;; ++k) {
     while (k >= count) {
       if (list->reach2 > reach2) return SCREE_OK;
       const scree_result result = clip_near_find(work, cell, 0);
       if (result != SCREE_OK) return result;
-      near = &work->near[list->first];
+      near = list->near;
       count = list->count;
     }
     const double distance2 = near[k].distance2;
@@ -539,12 +548,15 @@ scree_result clip_surface(clip_work* work, shard_pieces* out) {
   s.edge_first = scree_rt_allocate(allocator, vertex_count, sizeof(uint32_t));
   s.met = scree_rt_allocate(allocator, seed_count, sizeof(uint32_t));
   s.first_within = scree_rt_allocate(allocator, seed_count, sizeof(uint32_t));
-  out->vertices = scree_rt_allocate(allocator, vertex_count, 3 * sizeof(double));
+  const size_t triangle_count = input->triangle_count;
   scree_result result = SCREE_ERROR_OUT_OF_MEMORY;
-  if (s.cell_of != NULL && s.edge_first != NULL && s.met != NULL && s.first_within != NULL && out->vertices != NULL)
+  if (s.cell_of != NULL && s.edge_first != NULL && s.met != NULL && s.first_within != NULL)
     result = clip_reserve(allocator, &s.queue, &s.queue_capacity, 0, 64);
-  if (out->vertices != NULL) out->vertex_count = out->vertex_capacity = vertex_count;
+  if (result == SCREE_OK) result = clip_reserve(allocator, &work->vertices, &work->vertex_capacity, 0, (size_t)vertex_count);
+  if (result == SCREE_OK) result = clip_reserve(allocator, &work->segments, &work->segment_capacity, 0, triangle_count / 2);
+  if (result == SCREE_OK) result = clip_reserve(allocator, &work->parts, &work->part_capacity, 0, triangle_count);
   if (result == SCREE_OK) {
+    out->vertex_count = vertex_count;
     memcpy(out->vertices, input->positions, (size_t)vertex_count * 3 * sizeof(double));
     for (uint32_t v = 0; v < vertex_count; ++v) s.cell_of[v] = s.edge_first[v] = CLIP_NONE;
     for (uint32_t k = 0; k < seed_count; ++k) s.met[k] = CLIP_NONE;

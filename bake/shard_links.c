@@ -46,9 +46,10 @@ typedef struct assembly {
   const shard_pieces* pieces;
   scree_error* error;
   /* Everything below lies in one block, which is taken for the most that there can be: what is never used is never touched, and
-   * what is dead makes room for what comes. */
-  unsigned char* memory;
-  size_t size, used;
+   * what is dead makes room for what comes. Only what is of shards has its own where the block would be large, as there are far
+   * fewer of them than could be. */
+  unsigned char *memory, *shard_memory;
+  size_t size, plain_size, used, shard_size; /* plain: without the shards */
 
   uint32_t cell_count, half_count, piece_count, shard_count, link_count, interior_count;
   piece_measure* measures;
@@ -60,6 +61,8 @@ typedef struct assembly {
   uint32_t* shard_of;      /* of each half */
   double* volumes;         /* of each half that is a root, in cells of several */
   scree_shard* shards;
+  double* closing;  /* of each shard: the sum of area vectors, and of areas */
+  uint32_t* starts; /* of each shard: its first half */
   link_record* records;
   uint32_t* link_of; /* of each piece */
   uint32_t *near_first, *near_count, *near;
@@ -77,6 +80,13 @@ static void* take(assembly* a, size_t count, size_t of) {
   return a->memory + place(&a->used, count, of);
 }
 
+static size_t place_shards(size_t* size, size_t count, size_t* at_closing, size_t* at_starts) {
+  const size_t at = place(size, count, sizeof(scree_shard));
+  *at_closing = place(size, count, 4 * sizeof(double));
+  *at_starts = place(size, count, sizeof(uint32_t));
+  return at;
+}
+
 /* In the order in which it is taken. A shard has a root among its halves: there are no more of them. */
 static bool reserve(assembly* a) {
   const size_t pieces = a->piece_count, halves = a->half_count, corners = a->pieces->corner_count;
@@ -86,15 +96,18 @@ static bool reserve(assembly* a) {
   for (int k = 0; k < 3; ++k) place(&size, halves, sizeof(uint32_t));
   for (int k = 0; k < 2; ++k) place(&size, pieces, sizeof(uint32_t));
   place(&size, corners, sizeof *a->pairs);
-  place(&size, halves, sizeof *a->volumes);
-  place(&size, halves, sizeof *a->shards);
-  place(&size, pieces, sizeof *a->records);
-  place(&size, pieces + 2, sizeof *a->near_first);
-  place(&size, pieces, sizeof *a->near_count);
-  place(&early, halves, 4 * sizeof(double));
+  place(&early, halves, sizeof *a->volumes);
   place(&early, halves, sizeof(uint32_t));
+  place(&late, pieces, sizeof *a->records);
+  place(&late, pieces + 2, sizeof *a->near_first);
+  place(&late, pieces, sizeof *a->near_count);
   place(&late, 2 * corners, sizeof(uint32_t));
-  a->size = size + (early > late ? early : late);
+  a->size = a->plain_size = size + (early > late ? early : late);
+  /* Blocks from 32 MiB on are given back at each release by glibc, to be cleared anew at the next touch. */
+  const size_t most = (size_t)32 << 20;
+  size_t unused[2];
+  place_shards(&a->size, halves, unused, unused + 1);
+  if (a->size >= most) a->size = a->plain_size;
   a->memory = scree_rt_allocate(a->allocator, a->size, 1);
   return a->memory != NULL;
 }
@@ -160,7 +173,6 @@ static bool list_halves(assembly* a) {
   a->piece_parents = take(a, a->piece_count, sizeof *a->piece_parents);
   a->link_of = take(a, a->piece_count, sizeof *a->link_of);
   a->pairs = take(a, pieces->corner_count, sizeof *a->pairs);
-  a->volumes = take(a, a->half_count, sizeof *a->volumes);
   memset(a->cell_first, 0, (a->cell_count + (size_t)2) * sizeof *a->cell_first);
   for (uint32_t i = 0; i < a->piece_count; ++i) {
     measure_piece(pieces, pieces->pieces + i, a->measures + i);
@@ -332,8 +344,26 @@ static scree_result join_hollows(assembly* a, uint32_t cell) {
   return SCREE_OK;
 }
 
+/* In the block's last part, or in memory of its own. */
+static bool take_shards(assembly* a) {
+  size_t size = 0, at_closing, at_starts;
+  const size_t at_shards = place_shards(&size, a->shard_count, &at_closing, &at_starts);
+  unsigned char* memory = a->memory + a->plain_size;
+  if (size > a->size - a->plain_size) {
+    memory = a->shard_memory = scree_rt_allocate(a->allocator, size, 1);
+    if (memory == NULL) return false;
+    a->shard_size = size;
+  }
+  a->shards = (void*)(memory + at_shards);
+  a->closing = (void*)(memory + at_closing);
+  a->starts = (void*)(memory + at_starts);
+  return true;
+}
+
 static scree_result find_shards(assembly* a) {
-  double* volumes = a->volumes;
+  const size_t mark = a->used;
+  double* volumes = a->volumes = take(a, a->half_count, sizeof *volumes);
+  uint32_t* ids = take(a, a->half_count, sizeof *ids);
   a->shard_count = 0;
   for (uint32_t cell = 0; cell < a->cell_count; ++cell) {
     const uint32_t first = a->cell_first[cell], end = a->cell_first[cell + 1];
@@ -357,9 +387,7 @@ static scree_result find_shards(assembly* a) {
       if (result != SCREE_OK) return result;
     }
   }
-  a->shards = take(a, a->shard_count, sizeof *a->shards);
-  const size_t mark = a->used;
-  uint32_t* ids = take(a, a->half_count, sizeof *ids);
+  if (!take_shards(a)) return SCREE_ERROR_OUT_OF_MEMORY;
   a->shard_count = 0;
   for (uint32_t cell = 0; cell < a->cell_count; ++cell) {
     const uint32_t first = a->cell_first[cell], end = a->cell_first[cell + 1];
@@ -391,10 +419,8 @@ static scree_result measure_shards(assembly* a) {
                      p[0][2] * (p[1][0] * p[2][1] - p[1][1] * p[2][0])) /
                     6;
   }
-  const size_t mark = a->used;
-  double* closing = take(a, a->shard_count, 4 * sizeof *closing); /* the sum of area vectors, and of areas */
-  uint32_t* starts = take(a, a->shard_count, sizeof *starts);
-  a->used = mark;
+  double* closing = a->closing;
+  uint32_t* starts = a->starts;
   memset(closing, 0, a->shard_count * 4 * sizeof *closing);
   memset(starts, 0xff, a->shard_count * sizeof *starts);
   for (uint32_t k = 0; k < a->cell_first[a->cell_count]; ++k) {
@@ -656,5 +682,6 @@ scree_result shards_assemble(const scree_shards_desc* desc, const shard_pieces* 
     result = write_shards(&a, out);
   }
   scree_rt_release(&allocator, a.memory, a.size, 1);
+  scree_rt_release(&allocator, a.shard_memory, a.shard_size, 1);
   return result;
 }
