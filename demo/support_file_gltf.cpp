@@ -305,11 +305,18 @@ void read_draco(const tinygltf::Model& model, const tinygltf::Value& extension, 
     const int own = attributes.Get("TEXCOORD_0").Get<int>();
     const draco::PointAttribute* pairs = own >= 0 ? mesh.GetAttributeByUniqueId(uint32_t(own)) : nullptr;
     if (pairs == nullptr || pairs->num_components() != 2) throw fault("Draco: no such TEXCOORD_0");
+    const bool wide = pairs->data_type() == draco::DT_UINT16;
+    if (!wide && pairs->data_type() != draco::DT_UINT8 && pairs->data_type() != draco::DT_FLOAT32)
+      throw fault("TEXCOORD_0 is of a type that is not read");
+    /* The accessor's integers are normalised even where Draco's do not say so. */
+    const bool as_is = pairs->data_type() == draco::DT_FLOAT32 || pairs->normalized();
+    const float whole = as_is ? 1.0f : wide ? 65535.0f : 255.0f;
     out.coordinates.resize(size_t(mesh.num_points()) * 2);
     for (draco::PointIndex i(0); i < mesh.num_points(); ++i) {
       float* to = &out.coordinates[size_t(i.value()) * 2];
       if (!pairs->ConvertValue<float>(pairs->mapped_index(i), 2, to)) throw fault("Draco: broken TEXCOORD_0");
       if (!std::isfinite(to[0]) || !std::isfinite(to[1])) throw fault("TEXCOORD_0 is not finite");
+      to[0] /= whole, to[1] /= whole;
     }
   }
   for (draco::FaceIndex f(0); f < mesh.num_faces(); ++f) {

@@ -1,80 +1,19 @@
 /* Readers of meshes and height maps: what good files give, and that bad ones give one line that says what is wrong. */
 #define _POSIX_C_SOURCE 200809L
 
-#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 /* after the four above */
 #include <cmocka.h>
 
-#include "lattice.h"
+#include "mesh_files.h"
 #include "scene_support.h"
-#include "support_file.h"
 #include "terrain.h"
-
-static char folder[64];
-
-static const char* write_file(const char* name, const void* bytes, size_t size) {
-  static char path[128];
-  snprintf(path, sizeof path, "%s/%s", folder, name);
-  FILE* stream = fopen(path, "wb");
-  assert_non_null(stream);
-  assert_int_equal(fwrite(bytes, 1, size, stream), size);
-  assert_int_equal(fclose(stream), 0);
-  return path;
-}
-
-static int make_folder(void** state) {
-  (void)state;
-  snprintf(folder, sizeof folder, "support_file_XXXXXX");
-  return mkdtemp(folder) != NULL ? 0 : 1;
-}
-
-static int remove_folder(void** state) {
-  (void)state;
-  char command[96];
-  snprintf(command, sizeof command, "rm -r '%s'", folder);
-  return system(command);
-}
-
-static double signed_volume(const triangle_mesh* mesh) {
-  double six = 0;
-  for (uint32_t i = 0; i < mesh->triangle_count; ++i) {
-    const uint32_t* t = &mesh->indices[3 * i];
-    const float *a = &mesh->positions[3 * t[0]], *b = &mesh->positions[3 * t[1]], *c = &mesh->positions[3 * t[2]];
-    six += (double)a[0] * ((double)b[1] * c[2] - (double)b[2] * c[1]) + (double)a[1] * ((double)b[2] * c[0] - (double)b[0] * c[2]) +
-           (double)a[2] * ((double)b[0] * c[1] - (double)b[1] * c[0]);
-  }
-  return six / 6;
-}
-
-/* Every edge once in each direction. */
-static bool is_closed(const triangle_mesh* mesh) {
-  for (uint32_t i = 0; i < mesh->triangle_count * 3; ++i) {
-    uint32_t a = mesh->indices[i], b = mesh->indices[i / 3 * 3 + (i + 1) % 3], same = 0, back = 0;
-    for (uint32_t k = 0; k < mesh->triangle_count * 3; ++k) {
-      uint32_t c = mesh->indices[k], d = mesh->indices[k / 3 * 3 + (k + 1) % 3];
-      same += a == c && b == d;
-      back += a == d && b == c;
-    }
-    if (same != 1 || back != 1) return false;
-  }
-  return true;
-}
-
-static void assert_unit_cube(const triangle_mesh* mesh) {
-  assert_int_equal(mesh->vertex_count, 8);
-  assert_int_equal(mesh->triangle_count, 12);
-  assert_true(is_closed(mesh));
-  double volume = signed_volume(mesh);
-  assert_true(volume > 0.999999 && volume < 1.000001);
-}
 
 /* A cube of quads in every dialect: comments, joined lines, texture and normal indices, counts from the end, windows line ends. */
 static const char cube_obj[] =
@@ -86,10 +25,6 @@ static const char cube_off[] =
     "OFF # a cube\n\n# counts\n8 6 12\n0 0 0\n1 0 0 255 0 0\n1 1 0\n0 1 0\n0 0 1\n\n1 0 1\n1 1 1\n0 1 1\n"
     "4 3 2 1 0\n4 4 5 6 7  0.5 0.5 0.5\n4 0 1 5 4\n4 2 3 7 6 # face\n4 0 4 7 3\n4 1 2 6 5";
 
-static scree_result load_text(const char* name, const char* text, triangle_mesh* mesh, scree_error* error) {
-  return triangle_mesh_load(write_file(name, text, strlen(text)), mesh, error);
-}
-
 static void obj_of_every_dialect_is_read(void** state) {
   (void)state;
   triangle_mesh mesh;
@@ -99,48 +34,6 @@ static void obj_of_every_dialect_is_read(void** state) {
   assert_int_equal(result, SCREE_OK);
   assert_unit_cube(&mesh);
   triangle_mesh_free(&mesh);
-}
-
-/* A tetrahedron with a vt in every corner: one, two and three numbers, counts from both ends, a triangle that welding drops before
- * one that it keeps, and vertices at one place with different vt. */
-static const char mapped_obj[] =
-    "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 0 0\nvt 0.25\nvt 0.5 0.25\nvt 1 2 3\nf 1/1 3/2 2/3\nf 1/1 5/2 2/3\n"
-    "f -1/-3/1 -4/-2/1 -2/-1\nvt -0.5 0.75 # a seam\nf 2/4 3/2 4/3\nf 1/4/ 4/2 3/1\n";
-
-static const float mapped_uvs[4][6] = {{0.25f, 1, 0.5f, 0.75f, 1, -1},
-                                       {0.25f, 1, 0.5f, 0.75f, 1, -1},
-                                       {-0.5f, 0.25f, 0.5f, 0.75f, 1, -1},
-                                       {-0.5f, 0.25f, 0.5f, 0.75f, 0.25f, 1}};
-
-static void vt_of_obj_belong_to_corners_and_v_runs_down(void** state) {
-  (void)state;
-  triangle_mesh mesh;
-  scree_error error = {""};
-  scree_result result = load_text("mapped.obj", mapped_obj, &mesh, &error);
-  assert_string_equal(error.message, "");
-  assert_int_equal(result, SCREE_OK);
-  assert_true(mesh.vertex_count == 4 && mesh.triangle_count == 4 && is_closed(&mesh));
-  assert_non_null(mesh.uvs);
-  assert_memory_equal(mesh.uvs, mapped_uvs, sizeof mapped_uvs);
-  triangle_mesh_free(&mesh);
-}
-
-static void meshes_have_uvs_of_every_triangle_or_none(void** state) {
-  (void)state;
-  static const char* const lacking[] = {"f 1 4 3\n", "f 1/1 4/1 3\n", "f 1 4/1 3/1\n", "f 1/1/ 4/1/ 3//\n", "f 1//1 4//1 3//1\n"};
-  for (size_t i = 0; i < sizeof lacking / sizeof lacking[0]; ++i)
-    for (int first = 0; first < 2; ++first) {
-      char text[512];
-      static const char others[] = "f 1/1 3/1 2/1\nf 1/1 2/1 4/1\nf 2/1 3/1 4/1\n";
-      snprintf(text, sizeof text, "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvt 0 0\n%s%s%s", first ? lacking[i] : "", others,
-               first ? "" : lacking[i]);
-      triangle_mesh mesh;
-      scree_error error = {""};
-      assert_int_equal(load_text("partly.obj", text, &mesh, &error), SCREE_OK);
-      assert_true(mesh.triangle_count == 4 && is_closed(&mesh));
-      assert_null(mesh.uvs);
-      triangle_mesh_free(&mesh);
-    }
 }
 
 static void off_of_every_dialect_is_read(void** state) {
@@ -174,16 +67,6 @@ static void wrong_text_mesh_is_refused_by_line(void** state) {
       {"a.obj", "v 1 2 3\nf -2 1 1\n", "line 2: a face names a vertex that does not exist"},
       {"a.obj", "v 1 2 3\nf 99999999999999999999 1 1\n", "line 2: expected a whole number"},
       {"a.obj", "v 1 2 3\nf 1 1\n", "line 2: a face has fewer than 3 corners"},
-      {"a.obj", "v 1 2 3\nvt 0 0\nvt 0 nan\n", "line 3: expected a number"},
-      {"a.obj", "v 1 2 3\nvt 1e39\n", "line 2: expected a number"},
-      {"a.obj", "v 1 2 3\nvt\t\n", "line 2: expected a number"},
-      {"a.obj", "v 1 2 3\nvt 0 x\n", "line 2: expected a number"},
-      {"a.obj", "v 1 2 3\nf 1/1 1/1 1/1\n", "line 2: a face names a vt that does not exist"},
-      {"a.obj", "v 1 2 3\nvt 0 0\nf 1/1 1/1 1/2\n", "line 3: a face names a vt that does not exist"},
-      {"a.obj", "v 1 2 3\nvt 0 0\nf 1/1 1/0 1/1\n", "line 3: a face names a vt that does not exist"},
-      {"a.obj", "v 1 2 3\nvt 0 0\nf 1/1 1/1 1/-2\n", "line 3: a face names a vt that does not exist"},
-      {"a.obj", "v 1 2 3\nvt 0 0\nf 1/99999999999999999999 1/1 1/1\n", "line 3: expected a whole number"},
-      {"a.obj", "v 1 2 3\nvt 0 0\nf 1/1 1/1 1/x\n", "line 3: expected a whole number"},
       {"a.obj", "v 1 2 3\nf 1 1 1.5\n", "line 2: expected a corner such as 7, 7/1, 7//2 or 7/1/2"},
       {"a.obj", "v 0 0 0\nf 1 1 1\n", "has no triangles"},
       {"a.off", "", "line 1: the file ends early"},
@@ -236,80 +119,13 @@ static void welding_joins_equal_places_only(void** state) {
   triangle_mesh_free(&mesh);
 }
 
-/* Mutations of a good file, each in a block of the exact size plus the NUL that readers are promised. */
-static void mutate(const char* good, size_t size, uint64_t seed, int rounds,
-                   scree_result (*read)(const char*, size_t, const char*, triangle_mesh*, scree_error*)) {
-  for (size_t round = 0; round < size + (size_t)rounds; ++round) {
-    size_t length = round < size ? round : size;
-    char* bytes = malloc(length + 1);
-    memcpy(bytes, good, length);
-    bytes[length] = '\0';
-    for (int i = 0; round >= size && i < 2; ++i) {
-      seed = hash_mix(seed + UINT64_C(0x9e3779b97f4a7c15));
-      bytes[seed % length] = (char)(seed >> 40);
-    }
-    triangle_mesh mesh;
-    scree_error error = {""};
-    if (read(bytes, length, "m", &mesh, &error) == SCREE_OK) {
-      for (uint32_t i = 0; i < mesh.triangle_count * 3; ++i) assert_true(mesh.indices[i] < mesh.vertex_count);
-      for (uint32_t i = 0; mesh.uvs != NULL && i < mesh.triangle_count * 6; ++i) assert_true(isfinite(mesh.uvs[i]));
-      assert_int_equal(triangle_mesh_weld(&mesh), SCREE_OK);
-      triangle_mesh_free(&mesh);
-    } else {
-      assert_true(error.message[0] != '\0' && strchr(error.message, '\n') == NULL);
-      assert_true(mesh.positions == NULL && mesh.uvs == NULL);
-    }
-    free(bytes);
-  }
-}
-
 static void broken_text_meshes_never_crash(void** state) {
   (void)state;
   mutate(cube_obj, strlen(cube_obj), 1, 5000, mesh_read_obj);
   mutate(cube_off, strlen(cube_off), 2, 5000, mesh_read_off);
-  mutate(mapped_obj, strlen(mapped_obj), 4, 5000, mesh_read_obj);
 }
 
 /* --- glTF ---------------------------------------------------------------------------------------------------------------- */
-
-typedef struct glb_file {
-  char bytes[8192];
-  size_t size;
-} glb_file;
-
-static void put_word(char* to, uint32_t word) {
-  for (int i = 0; i < 4; ++i) to[i] = (char)(word >> (8 * i) & 255);
-}
-
-static void make_glb(const char* json, const void* bin, size_t bin_size, glb_file* out) {
-  size_t text = (strlen(json) + 3) & ~(size_t)3;
-  out->size = 12 + 8 + text + 8 + bin_size;
-  assert_true(out->size <= sizeof out->bytes);
-  memcpy(out->bytes, "glTF", 4);
-  put_word(out->bytes + 4, 2);
-  put_word(out->bytes + 8, (uint32_t)out->size);
-  put_word(out->bytes + 12, (uint32_t)text);
-  memcpy(out->bytes + 16, "JSON", 4);
-  memset(out->bytes + 20, ' ', text);
-  memcpy(out->bytes + 20, json, strlen(json));
-  put_word(out->bytes + 20 + text, (uint32_t)bin_size);
-  memcpy(out->bytes + 24 + text, "BIN\0", 4);
-  memcpy(out->bytes + 28 + text, bin, bin_size);
-}
-
-/* 24 corners of a cube's quads, unwelded, and 36 indices of 16 bits: 288 + 72 bytes. */
-static void cube_bin(char bin[360]) {
-  static const float corner[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
-  static const int quads[6][4] = {{3, 2, 1, 0}, {4, 5, 6, 7}, {0, 1, 5, 4}, {2, 3, 7, 6}, {0, 4, 7, 3}, {1, 2, 6, 5}};
-  static const uint16_t fan[6] = {0, 1, 2, 0, 2, 3};
-  for (int q = 0; q < 6; ++q) {
-    for (int k = 0; k < 4; ++k) memcpy(bin + (q * 4 + k) * 12, corner[quads[q][k]], 12);
-    for (int k = 0; k < 6; ++k) {
-      uint16_t index = (uint16_t)(q * 4 + fan[k]);
-      memcpy(bin + 288 + (q * 6 + k) * 2, &index, 2);
-    }
-  }
-}
 
 #define CUBE_DATA                                                                                                       \
   "\"asset\": {\"version\": \"2.0\"}, \"buffers\": [{\"byteLength\": 360}],"                                            \
@@ -438,114 +254,6 @@ static void wrong_glb_is_one_clear_line(void** state) {
   }
 }
 
-/* The cube with a third view of 24 UVs: u tells the place, x + 2 y + 4 z, and v the side. */
-#define MAPPED_DATA(accessor, meshes)                                                                                 \
-  "{\"asset\": {\"version\": \"2.0\"}, \"buffers\": [{\"byteLength\": 552}],"                                         \
-  "\"bufferViews\": [{\"buffer\": 0, \"byteLength\": 288}, {\"buffer\": 0, \"byteOffset\": 288, \"byteLength\": 72}," \
-  "{\"buffer\": 0, \"byteOffset\": 360, \"byteLength\": 192}],"                                                       \
-  "\"accessors\": [{\"bufferView\": 0, \"componentType\": 5126, \"count\": 24, \"type\": \"VEC3\"},"                  \
-  "{\"bufferView\": 1, \"componentType\": 5123, \"count\": 36, \"type\": \"SCALAR\"}, {" accessor "}], \"meshes\": [" meshes "],"
-#define MAPPED_MESH "{\"primitives\": [{\"attributes\": {\"POSITION\": 0, \"TEXCOORD_0\": 2}, \"indices\": 1}]}"
-#define BARE_MESH "{\"primitives\": [{\"attributes\": {\"POSITION\": 0}, \"indices\": 1}]}"
-#define PAIRS "\"bufferView\": 2, \"componentType\": 5126, \"count\": 24, \"type\": \"VEC2\""
-
-static void make_mapped(const char* json, glb_file* out) {
-  char bin[552];
-  cube_bin(bin);
-  for (uint32_t i = 0; i < 24; ++i) {
-    float p[3], uv[2];
-    memcpy(p, bin + (size_t)i * 12, sizeof p);
-    uv[0] = p[0] + 2 * p[1] + 4 * p[2];
-    uv[1] = (float)(i / 4);
-    memcpy(bin + 360 + (size_t)i * 8, uv, sizeof uv);
-  }
-  make_glb(json, bin, sizeof bin, out);
-}
-
-static scree_result read_mapped(const char* json, triangle_mesh* mesh, scree_error* error) {
-  glb_file glb;
-  make_mapped(json, &glb);
-  return triangle_mesh_load(write_file("cube.glb", glb.bytes, glb.size), mesh, error);
-}
-
-static void texture_coordinates_of_glb_stay_with_their_corners(void** state) {
-  (void)state;
-  triangle_mesh mesh;
-  scree_error error = {""};
-  /* Mirrored, so that triangles are turned round; then plain. */
-  scree_result result = read_mapped(MAPPED_DATA(PAIRS, MAPPED_MESH) "\"nodes\": [{\"mesh\": 0, \"scale\": [-1, 1, 1]}, "
-                                                                    "{\"mesh\": 0, \"translation\": [5, 0, 0]}],"
-                                                                    "\"scenes\": [{\"nodes\": [0, 1]}]}",
-                                    &mesh, &error);
-  assert_string_equal(error.message, "");
-  assert_int_equal(result, SCREE_OK);
-  assert_true(mesh.vertex_count == 16 && mesh.triangle_count == 24 && is_closed(&mesh) && signed_volume(&mesh) > 1.9);
-  assert_non_null(mesh.uvs);
-  for (uint32_t i = 0; i < 24 * 3; ++i) {
-    const float* p = &mesh.positions[3 * mesh.indices[i]];
-    assert_true(mesh.uvs[2 * i] == (p[0] >= 5 ? p[0] - 5 : -p[0]) + 2 * p[1] + 4 * p[2]);
-    assert_true(mesh.uvs[2 * i + 1] == (float)(i / 6 % 6));
-  }
-  triangle_mesh_free(&mesh);
-}
-
-static void glb_with_a_part_that_lacks_texture_coordinates_has_none(void** state) {
-  (void)state;
-  for (int first = 0; first < 2; ++first) {
-    triangle_mesh mesh;
-    scree_error error = {""};
-    const char* nodes = first ? "\"nodes\": [{\"mesh\": 1}, {\"mesh\": 0, \"translation\": [5, 0, 0]}]"
-                              : "\"nodes\": [{\"mesh\": 0}, {\"mesh\": 1, \"translation\": [5, 0, 0]}]";
-    char json[2048];
-    snprintf(json, sizeof json, "%s%s, \"scenes\": [{\"nodes\": [0, 1]}]}", MAPPED_DATA(PAIRS, MAPPED_MESH "," BARE_MESH), nodes);
-    assert_int_equal(read_mapped(json, &mesh, &error), SCREE_OK);
-    assert_true(mesh.triangle_count == 24 && is_closed(&mesh));
-    assert_null(mesh.uvs);
-    triangle_mesh_free(&mesh);
-  }
-}
-
-static void wrong_texture_coordinates_of_glb_are_one_clear_line(void** state) {
-  (void)state;
-  static const struct {
-    const char *json, *message;
-  } cases[] = {
-#define MAPPED(keys) MAPPED_DATA(keys, MAPPED_MESH) NODES
-      {MAPPED("\"bufferView\": 2, \"componentType\": 5126, \"count\": 23, \"type\": \"VEC2\""),
-       "TEXCOORD_0 has not one element a vertex"},
-      {MAPPED("\"bufferView\": 2, \"componentType\": 5126, \"count\": 4000000000, \"type\": \"VEC2\""),
-       "TEXCOORD_0 has not one element a vertex"},
-      {MAPPED("\"byteOffset\": 4, " PAIRS), "an accessor reaches past the end of its buffer view"},
-      {MAPPED("\"bufferView\": 2, \"componentType\": 5126, \"count\": 24, \"type\": \"VEC3\""),
-       "TEXCOORD_0 is of a type that is not read"},
-      {MAPPED("\"bufferView\": 2, \"componentType\": 5121, \"count\": 24, \"type\": \"VEC2\""),
-       "TEXCOORD_0 is of a type that is not read"},
-      {MAPPED("\"bufferView\": 2, \"componentType\": 5120, \"normalized\": true, \"count\": 24, \"type\": \"VEC2\""),
-       "TEXCOORD_0 is of a type that is not read"},
-      {MAPPED("\"bufferView\": 7, \"componentType\": 5126, \"count\": 24, \"type\": \"VEC2\""),
-       "names the buffer view 7, which does not exist"},
-      {MAPPED_DATA(PAIRS, "{\"primitives\": [{\"attributes\": {\"POSITION\": 0, \"TEXCOORD_0\": 9}, \"indices\": 1}]}") NODES,
-       "names the accessor 9, which does not exist"},
-  };
-  triangle_mesh mesh;
-  char expected[256];
-  for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
-    scree_error error = {""};
-    assert_int_equal(read_mapped(cases[i].json, &mesh, &error), SCREE_ERROR_SYNTAX);
-    snprintf(expected, sizeof expected, "%s/cube.glb: %s", folder, cases[i].message);
-    assert_string_equal(error.message, expected);
-  }
-  static const float wrong[2] = {NAN, INFINITY};
-  for (int i = 0; i < 2; ++i) {
-    glb_file glb;
-    scree_error error = {""};
-    make_mapped(MAPPED(PAIRS), &glb);
-    memcpy(glb.bytes + glb.size - 4, &wrong[i], 4);
-    assert_int_equal(mesh_read_gltf(glb.bytes, glb.size, "m.glb", &mesh, &error), SCREE_ERROR_SYNTAX);
-    assert_string_equal(error.message, "m.glb: TEXCOORD_0 is not finite");
-  }
-}
-
 static void deeply_nested_gltf_is_refused(void** state) {
   (void)state;
   size_t depth = 1000000;
@@ -592,8 +300,6 @@ static void broken_glb_never_crashes(void** state) {
   make_glb("{" CUBE_DATA "\"nodes\": [{\"mesh\": 0, \"scale\": [1, 2, 3]}], \"scenes\": [{\"nodes\": [0]}], \"scene\": 0}", bin,
            sizeof bin, &glb);
   mutate(glb.bytes, glb.size, 3, 4000, mesh_read_gltf);
-  make_mapped(MAPPED(PAIRS), &glb);
-  mutate(glb.bytes, glb.size, 5, 4000, mesh_read_gltf);
 }
 
 /* --- height maps --------------------------------------------------------------------------------------------------------- */
@@ -775,8 +481,6 @@ static void files_are_looked_for_beside_the_scene_then_in_the_data_folder(void**
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(obj_of_every_dialect_is_read),
-      cmocka_unit_test(vt_of_obj_belong_to_corners_and_v_runs_down),
-      cmocka_unit_test(meshes_have_uvs_of_every_triangle_or_none),
       cmocka_unit_test(off_of_every_dialect_is_read),
       cmocka_unit_test(wrong_text_mesh_is_refused_by_line),
       cmocka_unit_test(unknown_ending_and_missing_file_are_named),
@@ -785,9 +489,6 @@ int main(void) {
       cmocka_unit_test(glb_cube_is_read_and_welded),
       cmocka_unit_test(glb_default_scene_is_merged_with_its_transforms),
       cmocka_unit_test(wrong_glb_is_one_clear_line),
-      cmocka_unit_test(texture_coordinates_of_glb_stay_with_their_corners),
-      cmocka_unit_test(glb_with_a_part_that_lacks_texture_coordinates_has_none),
-      cmocka_unit_test(wrong_texture_coordinates_of_glb_are_one_clear_line),
       cmocka_unit_test(deeply_nested_gltf_is_refused),
       cmocka_unit_test(gltf_with_a_buffer_beside_it_is_read),
       cmocka_unit_test(broken_glb_never_crashes),
