@@ -22,7 +22,7 @@
 enum { STAGE_SHARDS, STAGE_FROST, STAGE_RUBBLE, STAGE_ASSETS, STAGE_ENCODE, STAGE_WRITE, STAGES };
 #define NONE UINT32_MAX
 
-enum { DEFAULT_LATTICE = 1000 };
+enum { DEFAULT_LATTICE = 1000, LEAST_STEPS = 64 };
 
 /* How much of a bake each stage is, for progress; frost and rubble take turns. */
 static const double stage_ends[STAGES][2] = {{0, 0.2}, {0.2, 0.55}, {0.2, 0.55}, {0.55, 0.8}, {0.8, 0.98}, {0.98, 1}};
@@ -123,9 +123,16 @@ static scree_result choose_lattice(shard_bake* bake, scree_error* error) {
   shard_asset_origin(bake->weather.shards, bake->recipe.rubble.ground, bake->origin);
   const double finest = shard_asset_lattice(bake->weather.shards, bake->origin);
   const uint32_t wanted = bake->recipe.lattice_per_metre;
+  double across = 0;
+  for (int a = 0; a < 3; ++a) across = fmax(across, bake->view.max[a] - bake->view.min[a]);
   if (!(finest >= 1)) {
-    recipe_say(error, "input: what is %.0f metres across does not fit on the lattice of a pack",
-               bake->view.max[0] - bake->view.min[0]);
+    recipe_say(error, "input: what is %g metres across does not fit on the lattice of a pack; expected at most some 16,000",
+               across);
+    return SCREE_ERROR_RANGE;
+  }
+  if (!(across * finest >= LEAST_STEPS)) {
+    recipe_say(error, "input: what is %g metres across is too small for the lattice of a pack; expected at least %g", across,
+               LEAST_STEPS / finest);
     return SCREE_ERROR_RANGE;
   }
   if (wanted > finest) {

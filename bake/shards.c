@@ -10,8 +10,9 @@
 
 enum { MOST_ATTEMPTS = 8 };
 
-static const double MOST = 1e6;     /* of coordinates and counts */
-static const double MOVED = 1e-6;   /* of the seeds' spacing */
+static const double MOST = 1e6;   /* of coordinates and counts */
+static const double MOVED = 1e-6; /* of the seeds' spacing, at first; where that is too little, farther each time */
+static const double FARTHER = 4;
 static const float SAME_UV = 1e-5F; /* of the largest difference along a wall */
 
 static scree_result tell(scree_error* error, scree_result result, const char* message) {
@@ -160,13 +161,14 @@ static scree_result attempt_shards(const scree_shards_desc* desc, const shard_in
 static scree_result try_shards(const scree_shards_desc* desc, const shard_input* still, const shard_space* space, double* moved,
                                double* left, scree_shards** out, scree_error* error) {
   shard_input input = *still;
-  const double reach = MOVED * spacing_of(still);
+  double reach = MOVED * spacing_of(still);
   scree_result result = SCREE_ERROR_UNSUPPORTED;
   for (uint32_t attempt = 0; attempt <= MOST_ATTEMPTS && result == SCREE_ERROR_UNSUPPORTED; ++attempt) {
     if (told_to_stop(desc, *left)) return SCREE_ERROR_CANCELLED;
     if (attempt > 0) {
       move_seeds(still->seeds, still->seed_count, attempt, reach, moved);
       input.seeds = moved;
+      reach *= FARTHER;
     }
     result = attempt_shards(desc, &input, space, left, out, error);
     if (result == SCREE_OK) (*out)->view.attempts = attempt;

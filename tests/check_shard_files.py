@@ -214,6 +214,7 @@ expect_refused("a missing mesh", {"input": {"shape": "mesh", "file": "nowhere.ob
 expect_refused("a mesh of no kind", {"input": {"shape": "mesh", "file": "text.png"}}, "input.file", "text.png")
 expect_refused("an open mesh", {"input": {"shape": "mesh", "file": "open.obj"}}, "input:")
 expect_refused("a mesh that crosses itself", {"input": {"shape": "mesh", "file": "crossing.obj"}}, "input:")
+expect_refused("a mesh too small", {"input": {"shape": "mesh", "file": "shapes/pyramid.obj", "scale": 1e-6}}, "input:", "too small", "lattice")
 expect_refused("a missing height map", {"input": {**terrain, "file": "nowhere.png"}}, "input.file", "nowhere.png")
 expect_refused("text for a height map", {"input": {**terrain, "file": "text.png"}}, "input.file", "text.png")
 expect_refused("a height map of 8 bits", {"input": {**terrain, "file": "slices.png"}}, "input.file", "slices.png")

@@ -340,6 +340,30 @@ static void seeds_in_one_place_are_moved_apart(void** state) {
   free(seeds);
 }
 
+/* Moved by a millionth they are slivers, which rounding cannot always tell apart: then they are moved farther. */
+static void many_seeds_in_one_place_are_moved_apart(void** state) {
+  (void)state;
+  static convex_solid box;
+  make_convex_box(&box, UNIT);
+  for (uint32_t count = 4; count <= 16; count += 4)
+    for (uint32_t place = 0; place < 6; ++place)
+      for (int mesh = 0; mesh < 2; ++mesh) {
+        double seeds[3 * 17] = {0.75, 0.5, 0.25};
+        for (uint32_t i = 1; i <= count; ++i) {
+          const double at[3] = {0.25, 0.125 + 0.125 * place, 0.375};
+          memcpy(seeds + 3 * i, at, sizeof at);
+        }
+        scree_shards_desc desc = desc_of(&box, seeds, count + 1);
+        if (mesh) desc.clip = SCREE_CLIP_MESH;
+        scree_shards* shards = must_make(&desc);
+        scree_shards_view view;
+        scree_shards_get(shards, &view);
+        assert_true(view.attempts > 0);
+        assert_true(fabs(view.volume - 1) < 1e-9);
+        scree_shards_destroy(shards);
+      }
+}
+
 static void seeds_whose_cell_misses_the_solid_have_no_shard(void** state) {
   (void)state;
   static convex_solid box;
@@ -708,6 +732,7 @@ int main(void) {
       cmocka_unit_test(stretches_of_surface_that_turn_little_are_one_link),
       cmocka_unit_test(a_regular_grid_of_seeds_works),
       cmocka_unit_test(seeds_in_one_place_are_moved_apart),
+      cmocka_unit_test(many_seeds_in_one_place_are_moved_apart),
       cmocka_unit_test(seeds_whose_cell_misses_the_solid_have_no_shard),
       cmocka_unit_test(stretched_cells_are_nearest_by_stretched_distance),
       cmocka_unit_test(a_cell_that_falls_apart_is_several_shards),

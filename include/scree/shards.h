@@ -117,7 +117,8 @@ typedef enum scree_clip {
 
 typedef struct scree_shards_desc {
   scree_solid solid;   /* copied */
-  const double* seeds; /* 3 * seed_count; seeds that coincide or are cocircular are moved by parts of 1e-6 of their spacing */
+  const double* seeds; /* 3 * seed_count; seeds that coincide or are cocircular are moved, by parts of 1e-6 of their spacing up to a
+                          sixtieth */
   uint32_t seed_count; /* 1..1e6; seeds whose cell misses the solid have no shard */
   const double*
       stretch;      /* NULL, or 3: distances are measured with x, y, z divided by these, in the space of `up`: anisotropic cells */
