@@ -241,7 +241,7 @@ static void draw_heights(pen* p, const scene_node* node, const scene_paths* path
 static void draw_mesh(pen* p, const scene_node* node, const scene_paths* paths, scene_files* files) {
   const triangle_mesh* mesh;
   scree_error error;
-  if (files == NULL || scene_files_mesh(files, paths, "outline", node->mesh.file, &mesh, &error) != SCREE_OK) return;
+  if (files == NULL || scene_files_mesh(files, paths, "outline", &node->mesh, &mesh, &error) != SCREE_OK) return;
   /* As many triangles as there is room for, evenly picked. */
   uint32_t stride = mesh->triangle_count / (OUTLINE_SEGMENTS / 4) + 1;
   for (uint32_t t = 0; t < mesh->triangle_count; t += stride)

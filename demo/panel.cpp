@@ -143,7 +143,7 @@ bool shape_widgets(scene_node* node) {
       changed |= drag("above", &node->heightfield.above, 0.02, -kLarge, kLarge);
       changed |= drag("below", &node->heightfield.below, 0.02, -node->heightfield.above + kSmall, kLarge);
       break;
-    case SCREE_SHAPE_MESH: ImGui::TextDisabled("%s", node->mesh.file); break;
+    case SCREE_SHAPE_MESH: ImGui::TextDisabled("%s", node->mesh.pack[0] != '\0' ? node->mesh.pack : node->mesh.file); break;
     case SCREE_SHAPE_ELLIPSOID:
       changed |= drag3("radii", node->ellipsoid.radii, 0.02, kLarge);
       for (double& radius : node->ellipsoid.radii) radius = std::clamp(radius, kSmall, kLarge);

@@ -8,6 +8,7 @@
 #ifndef SCENE_H
 #define SCENE_H
 
+#include <scree/cliff.h>
 #include <scree/scene.h>
 
 #ifdef __cplusplus
@@ -76,6 +77,14 @@ typedef struct scene_point {
   double radius;
 } scene_point;
 
+/* A closed mesh of a file, or what stands of a cliff's pack at a time. */
+typedef struct scene_mesh {
+  char file[SCENE_FILE_SIZE]; /* .obj, .off, .glb or .gltf; empty where there is a pack */
+  char pack[SCENE_FILE_SIZE]; /* of a cliff; empty where there is a file */
+  uint32_t time, lod;         /* of the pack; a level that it does not have is its coarsest */
+  uint32_t resolution;        /* 0 or 8..512 */
+} scene_mesh;
+
 /* One node of a support tree: a shape with its transform (scale, then rotate, then move) or a group of children. Parameters mean
  * what the same members of scree_shape mean. */
 typedef struct scene_node {
@@ -104,10 +113,7 @@ typedef struct scene_node {
       scene_height_map map;
       double above, below;
     } heightfield;
-    struct {
-      char file[SCENE_FILE_SIZE]; /* .obj, .off, .glb or .gltf */
-      uint32_t resolution;        /* 0 or 8..512 */
-    } mesh;
+    scene_mesh mesh;
     struct {
       double radii[3];
     } ellipsoid;
@@ -166,6 +172,7 @@ typedef struct scene_scatter {
 /* What a field has that is a cliff of a pack, with its origin at the field's `origin`: see scree_cliff_desc. */
 typedef struct scene_cliff {
   uint32_t time; /* 0 = the first that the pack keeps */
+  uint32_t what; /* SCREE_CLIFF_..., 0 = both */
   double turn;   /* degrees about +Y, -360..360 */
   double scale;  /* > 0 */
 } scene_cliff;

@@ -2,12 +2,16 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <scree/cliff.h>
+#include <scree/draco.h>
+
 #include "file.h"
 #include "scene_support.h"
 
 typedef struct entry {
   char path[SCENE_FILE_SIZE * 4];
   bool is_mesh;
+  uint32_t time, lod;   /* of a mesh of a cliff; 0 of others */
   scene_height_map map; /* heights only */
   triangle_mesh mesh;
   height_samples heights;
@@ -75,14 +79,82 @@ static bool same_map(const scene_height_map* a, const scene_height_map* b) {
   return a->low == b->low && a->high == b->high && memcmp(a->crop, b->crop, sizeof a->crop) == 0;
 }
 
-/* The entry of a file, read unless it is known. */
-static scree_result find_entry(scene_files* files, const scene_paths* paths, const char* where, const char* file,
+static scree_result say(scree_result result, const char* path, const char* what, scree_error* error) {
+  return fail_with(error, result, "%s: %s", path, what != NULL ? what : scree_result_string(result));
+}
+
+#ifdef SCREE_WITH_DRACO
+static scree_result decode_cliff(const scree_pack* pack, uint32_t asset, uint32_t level, const char* path, triangle_mesh* out,
+                                 scree_error* error) {
+  scree_lod lod;
+  scree_result result = scree_pack_get_lod(pack, asset, level, &lod);
+  if (result != SCREE_OK) return say(result, path, NULL, error);
+  scree_vertex* vertices = malloc(lod.vertices * sizeof *vertices);
+  uint32_t* indices = malloc(3 * (size_t)lod.triangles * sizeof *indices);
+  scree_mesh mesh = {0};
+  result = SCREE_ERROR_OUT_OF_MEMORY;
+  if (vertices != NULL && indices != NULL)
+    result = scree_draco_decode_u32(pack, asset, level, vertices, lod.vertices, indices, 3 * (size_t)lod.triangles);
+  if (result == SCREE_OK) result = scree_cliff_mesh_create(pack, vertices, lod.vertices, indices, 3 * lod.triangles, NULL, &mesh);
+  free(vertices);
+  free(indices);
+  const size_t positions_size = 3 * (size_t)mesh.vertex_count * sizeof(float),
+               indices_size = 3 * (size_t)mesh.triangle_count * sizeof(uint32_t);
+  if (result == SCREE_OK) {
+    *out = (triangle_mesh){.positions = malloc(positions_size),
+                           .indices = malloc(indices_size),
+                           .vertex_count = mesh.vertex_count,
+                           .triangle_count = mesh.triangle_count};
+    if (out->positions == NULL || out->indices == NULL) {
+      triangle_mesh_free(out);
+      result = SCREE_ERROR_OUT_OF_MEMORY;
+    } else {
+      memcpy(out->positions, mesh.positions, positions_size);
+      memcpy(out->indices, mesh.indices, indices_size);
+    }
+    scree_cliff_mesh_free(NULL, &mesh);
+  }
+  return result == SCREE_OK ? result : say(result, path, NULL, error);
+}
+#endif
+
+/* What stands of a cliff, from its pack. */
+static scree_result load_cliff(const char* path, const scene_mesh* from, triangle_mesh* out, scree_error* error) {
+  scree_pack* pack;
+  scree_result result = scree_pack_open_file(path, NULL, &pack);
+  if (result != SCREE_OK) return say(result, path, NULL, error);
+  scree_pack_info info;
+  scree_cliff_time time;
+  scree_pack_get_info(pack, &info);
+  if (info.kind != SCREE_PACK_CLIFF)
+    result = say(SCREE_ERROR_PACK_KIND, path, "holds no cliff", error);
+  else if (from->time >= info.time_count)
+    result = fail_with(error, SCREE_ERROR_RANGE, "%s: it has %u times, 0 the first", path, info.time_count);
+  else if ((result = scree_pack_get_time(pack, from->time, &time)) != SCREE_OK)
+    result = say(result, path, NULL, error);
+  else {
+#ifdef SCREE_WITH_DRACO
+    result = decode_cliff(pack, time.asset, from->lod < info.lod_count ? from->lod : info.lod_count - 1, path, out, error);
+#else
+    (void)out;
+    result = say(SCREE_ERROR_UNSUPPORTED, path, "this program was built without Draco, which meshes of cliffs need", error);
+#endif
+  }
+  scree_pack_close(pack);
+  return result;
+}
+
+/* The entry of a file, read unless it is known. mesh: or NULL of heights. */
+static scree_result find_entry(scene_files* files, const scene_paths* paths, const char* where, const scene_mesh* mesh,
                                const scene_height_map* map, const entry** out, scree_error* error) {
+  const bool is_cliff = mesh != NULL && mesh->pack[0] != '\0';
   *out = NULL;
   entry* e = calloc(1, sizeof *e);
   if (e == NULL) return fail_with(error, SCREE_ERROR_OUT_OF_MEMORY, "%s: out of memory", paths->scene);
   scree_error cause = {""};
-  scree_result result = scene_find_file(paths, where, file, e->path, sizeof e->path, error);
+  scree_result result = is_cliff
+                            ? scene_find_pack(paths, where, mesh->pack, e->path, sizeof e->path, error)
+                            : scene_find_file(paths, where, mesh != NULL ? mesh->file : map->file, e->path, sizeof e->path, error);
   if (result != SCREE_OK) {
     free(e);
     return result;
@@ -90,13 +162,20 @@ static scree_result find_entry(scene_files* files, const scene_paths* paths, con
   for (const entry* known = files->first; known != NULL; known = known->next) {
     if (known->is_mesh != (map == NULL) || strcmp(known->path, e->path) != 0) continue;
     if (map != NULL && !same_map(map, &known->map)) continue;
+    if (is_cliff && (known->time != mesh->time || known->lod != mesh->lod)) continue;
     free(e);
     *out = known;
     return SCREE_OK;
   }
   e->is_mesh = map == NULL;
   if (map != NULL) e->map = *map;
-  result = map == NULL ? triangle_mesh_load(e->path, &e->mesh, &cause) : height_samples_load(map, e->path, &e->heights, &cause);
+  if (is_cliff) {
+    e->time = mesh->time;
+    e->lod = mesh->lod;
+  }
+  result = map != NULL ? height_samples_load(map, e->path, &e->heights, &cause)
+           : is_cliff  ? load_cliff(e->path, mesh, &e->mesh, &cause)
+                       : triangle_mesh_load(e->path, &e->mesh, &cause);
   if (result != SCREE_OK) {
     fail_with(error, result, "%s: %s: %.400s", paths->scene, where, cause.message);
     free(e);
@@ -108,10 +187,10 @@ static scree_result find_entry(scene_files* files, const scene_paths* paths, con
   return SCREE_OK;
 }
 
-scree_result scene_files_mesh(scene_files* files, const scene_paths* paths, const char* where, const char* file,
+scree_result scene_files_mesh(scene_files* files, const scene_paths* paths, const char* where, const scene_mesh* mesh,
                               const triangle_mesh** out, scree_error* error) {
   const entry* found;
-  scree_result result = find_entry(files, paths, where, file, NULL, &found, error);
+  scree_result result = find_entry(files, paths, where, mesh, NULL, &found, error);
   *out = found != NULL ? &found->mesh : NULL;
   return result;
 }
@@ -119,7 +198,7 @@ scree_result scene_files_mesh(scene_files* files, const scene_paths* paths, cons
 scree_result scene_files_heights(scene_files* files, const scene_paths* paths, const char* where, const scene_height_map* map,
                                  const height_samples** out, scree_error* error) {
   const entry* found;
-  scree_result result = find_entry(files, paths, where, map->file, map, &found, error);
+  scree_result result = find_entry(files, paths, where, NULL, map, &found, error);
   *out = found != NULL ? &found->heights : NULL;
   return result;
 }

@@ -227,6 +227,7 @@ static scree_result open_cliff(scene_live* w, uint32_t index, opened_field* made
   const scene_field* model = &w->desc.scene->fields[index];
   scree_cliff_desc desc = {.pack = made->pack->pack,
                            .time = model->cliff.time,
+                           .what = model->cliff.what,
                            .turn = model->cliff.turn / 360,
                            .scale = (float)model->cliff.scale,
                            .seed = model->seed};

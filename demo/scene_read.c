@@ -157,7 +157,7 @@ static const char* const* keys_of_kind(scree_shape_kind kind) {
   static const char* const cylinder[] = {"radius", "half_height", NULL};
   static const char* const cone[] = {"radius", "height", NULL};
   static const char* const heightfield[] = {"file", "spacing", "low", "high", "crop", "above", "below", NULL};
-  static const char* const mesh[] = {"file", "resolution", NULL};
+  static const char* const mesh[] = {"file", "pack", "time", "lod", "resolution", NULL};
   static const char* const ellipsoid[] = {"radii", NULL};
   static const char* const half_space[] = {NULL};
   static const char* const torus[] = {"radius", "tube_radius", NULL};
@@ -291,8 +291,18 @@ static bool read_parameters(json_reader* r, const cJSON* value, scene_node* node
         return false;
       return node->heightfield.above + node->heightfield.below > 0 || json_fail(r, "below", "expected above + below > 0");
     case SCREE_SHAPE_MESH: {
-      uint64_t resolution = 0;
-      if (!require_text(r, value, "file", sizeof node->mesh.file, node->mesh.file)) return false;
+      uint64_t resolution = 0, time = 0, lod = 1;
+      if (cJSON_HasObjectItem(value, "pack")) {
+        if (cJSON_HasObjectItem(value, "file")) return json_fail(r, "file", "expected a file or a pack, not both");
+        if (!require_text(r, value, "pack", sizeof node->mesh.pack, node->mesh.pack) || !require(r, value, "time") ||
+            !json_integer(r, value, "time", 0, 254, &time) || !json_integer(r, value, "lod", 0, 7, &lod))
+          return false;
+        node->mesh.time = (uint32_t)time;
+        node->mesh.lod = (uint32_t)lod;
+      } else if (cJSON_HasObjectItem(value, "time") || cJSON_HasObjectItem(value, "lod"))
+        return json_fail(r, cJSON_HasObjectItem(value, "time") ? "time" : "lod", "a mesh of a file has none");
+      else if (!require_text(r, value, "file", sizeof node->mesh.file, node->mesh.file))
+        return false;
       if (!cJSON_HasObjectItem(value, "resolution")) return true;
       if (!json_integer(r, value, "resolution", 8, SCENE_MESH_RESOLUTION, &resolution)) return false;
       node->mesh.resolution = (uint32_t)resolution;
@@ -543,7 +553,11 @@ static bool read_cliff(json_reader* r, const cJSON* value, scene_field* out) {
       !json_number(r, value, "turn", turn, &out->cliff.turn) || !positive_number(r, value, "scale", &out->cliff.scale))
     return false;
   out->cliff.time = (uint32_t)time;
-  return true;
+  char what[16] = "all";
+  if (!json_string(r, value, "what", sizeof what, what)) return false;
+  if (strcmp(what, "all") == 0) return true;
+  out->cliff.what = strcmp(what, "standing") == 0 ? SCREE_CLIFF_STANDING : strcmp(what, "blocks") == 0 ? SCREE_CLIFF_BLOCKS : 0;
+  return out->cliff.what != 0 || json_fail(r, "what", "expected all, standing or blocks");
 }
 
 static bool read_field(json_reader* r, const cJSON* value, scene_field* out) {
@@ -551,7 +565,7 @@ static bool read_field(json_reader* r, const cJSON* value, scene_field* out) {
   static const char* const rocks[] = {"support", "density", "filters", "cell_size", "threshold", "shell", NULL};
   static const char* const scatter[] = {"support", "density",   "filters", "models", "spacing",
                                         "scale",   "max_slope", "weights", "ages",   NULL};
-  static const char* const cliff[] = {"time", "turn", "scale", NULL};
+  static const char* const cliff[] = {"time", "turn", "scale", "what", NULL};
   static const json_limits density = {0, 1, true, false};
   const bool scattered = cJSON_HasObjectItem(value, "spacing") || cJSON_HasObjectItem(value, "models");
   const bool is_cliff = cJSON_HasObjectItem(value, "time");

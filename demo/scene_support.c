@@ -61,7 +61,7 @@ static scree_result fill_heightfield(builder* b, const scene_node* node, scree_s
 
 static scree_result fill_mesh(builder* b, const scene_node* node, scree_shape* shape) {
   const triangle_mesh* mesh;
-  scree_result result = scene_files_mesh(b->files, b->paths, b->where, node->mesh.file, &mesh, b->error);
+  scree_result result = scene_files_mesh(b->files, b->paths, b->where, &node->mesh, &mesh, b->error);
   if (result != SCREE_OK) return result;
   shape->mesh.positions = mesh->positions;
   shape->mesh.indices = mesh->indices;
@@ -236,7 +236,8 @@ static scree_result fail_at_shape(builder* b, const scene_node* root, scree_resu
   if (sscanf(message, "shape %u: %n", &number, &end) == 1 && end > 0) {
     if (path_of_shape(root, &number, b->where + b->length, sizeof b->where - b->length, &node)) message += end;
   }
-  const char* file = node != NULL && node->kind == SCREE_SHAPE_MESH ? node->mesh.file : "";
+  const bool is_mesh = node != NULL && node->kind == SCREE_SHAPE_MESH;
+  const char* file = !is_mesh ? "" : node->mesh.pack[0] != '\0' ? node->mesh.pack : node->mesh.file;
   return fail_with(b->error, result, "%s: %s: %s%s%.300s", b->paths->scene, b->where, file, file[0] != '\0' ? ": " : "", message);
 }
 

@@ -150,7 +150,14 @@ static void write_parameters(text_buffer* t, uint32_t indent, const scene_node* 
       number_key(t, indent, "below", node->heightfield.below);
       break;
     case SCREE_SHAPE_MESH:
-      string_key(t, indent, "file", node->mesh.file);
+      if (node->mesh.pack[0] != '\0') {
+        string_key(t, indent, "pack", node->mesh.pack);
+        end(t, false);
+        integer_key(t, indent, "time", node->mesh.time);
+        end(t, false);
+        integer_key(t, indent, "lod", node->mesh.lod);
+      } else
+        string_key(t, indent, "file", node->mesh.file);
       if (node->mesh.resolution == 0) break;
       end(t, false);
       integer_key(t, indent, "resolution", node->mesh.resolution);
@@ -341,6 +348,9 @@ static void write_cliff(text_buffer* t, const scene_cliff* c) {
   number_key(t, 3, "turn", c->turn);
   end(t, false);
   number_key(t, 3, "scale", c->scale);
+  end(t, false);
+  if (c->what == 0) return;
+  string_key(t, 3, "what", c->what == SCREE_CLIFF_STANDING ? "standing" : "blocks");
   end(t, false);
 }
 

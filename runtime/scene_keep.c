@@ -422,9 +422,13 @@ static bool meets_others(const scene_question* q, seeker* s, const other_layers*
   return false;
 }
 
-/* Whether rock i, or any part of an instance, meets one of the others. */
+/* Whether rock i, or any part of an instance, meets one of the others. What stands of a cliff is never dropped: it is there because
+ * somebody put it there, and its parts hold air in which others may well lie. */
 static bool is_dropped(const scene_question* q, seeker* s, const other_layers* others, uint8_t kinds, uint64_t i) {
   const uint32_t asset = q->instances[i].asset;
+  if (s->layer->given.scatter != NULL && s->layer->given.scatter->is_cliff &&
+      scatter_model_of(asset) < s->layer->given.scatter->variants[1])
+    return false;
   if (s->layer->given.scatter == NULL) {
     s->rock = place_rock(s->layer, &q->ids[i], asset);
     s->hull.made = false;

@@ -341,8 +341,92 @@ static void failing_allocations_leave_nothing_behind(void** state) {
   world_free(&w);
 }
 
+static void earlier_layers_drop_blocks_and_never_what_stands(void** state) {
+  (void)state;
+  scree_cliff_desc desc = {.time = 2};
+  cliff_world w;
+  world_make(&w, &desc);
+  const scree_layer layers[2] = {{.scatter = w.cliff, .key = 1}, {.scatter = w.cliff, .key = 2}};
+  scree_scene* scene;
+  assert_int_equal(scree_scene_create(&(scree_scene_desc){layers, 2}, NULL, &scene, NULL), SCREE_OK);
+  const scree_scene_query_desc all = {.scene = scene};
+  uint64_t count;
+  scree_rock* rocks = ask(&w, &all, &count);
+  uint32_t standing[2] = {0}, blocks[2] = {0};
+  for (uint64_t i = 0; i < count; ++i) {
+    const uint32_t later = rocks[i].id.layer == 2;
+    ++*(rocks[i].asset < TIMES ? &standing[later] : &blocks[later]);
+  }
+  assert_true(standing[0] == 1 && standing[1] == 1);
+  assert_true(blocks[0] == 2 * TEST_PLACEMENTS && blocks[1] == 0);
+  free(rocks);
+  scree_scene_destroy(scene);
+  world_free(&w);
+}
+
+/* A cube of steps 0..side as decoders give it: each side has corners of its own. The last triangle has no area and no edge that
+ * others know. */
+static void make_cube(int16_t side, scree_vertex vertices[27], uint32_t indices[39]) {
+  memset(vertices, 0, 27 * sizeof *vertices);
+  for (uint32_t k = 0; k < 6; ++k) {
+    const uint32_t axis = k / 2, u = (axis + 1) % 3, v = (axis + 2) % 3, up = k % 2;
+    for (uint32_t c = 0; c < 4; ++c) {
+      int16_t* p = vertices[4 * k + c].position;
+      p[axis] = up ? side : 0;
+      p[u] = c == 1 || c == 2 ? side : 0;
+      p[v] = c >= 2 ? side : 0;
+    }
+    static const uint32_t fans[2][6] = {{0, 2, 1, 0, 3, 2}, {0, 1, 2, 0, 2, 3}};
+    for (uint32_t i = 0; i < 6; ++i) indices[6 * k + i] = 4 * k + fans[up][i];
+  }
+  for (uint32_t i = 0; i < 3; ++i) indices[36 + i] = 24 + i;
+  vertices[25].position[0] = side;
+}
+
+static void meshes_of_cliffs_are_supports(void** state) {
+  (void)state;
+  scree_cliff_desc desc = {.time = 0};
+  cliff_world w;
+  world_make(&w, &desc);
+  scree_vertex vertices[27];
+  uint32_t indices[39];
+  make_cube(64, vertices, indices);
+  scree_shape shape = {.kind = SCREE_SHAPE_MESH};
+  assert_int_equal(scree_cliff_mesh_create(w.pack, vertices, 27, indices, 39, NULL, &shape.mesh), SCREE_OK);
+  assert_true(shape.mesh.vertex_count == 8 && shape.mesh.triangle_count == 12);
+  scree_support* support;
+  scree_error error;
+  if (scree_support_create(&(scree_support_desc){.shapes = &shape, .shape_count = 1}, NULL, &support, &error) != SCREE_OK)
+    fail_msg("%s", error.message);
+  double low[3], high[3];
+  scree_support_bounds(support, low, high);
+  for (int a = 0; a < 3; ++a) assert_true(fabs(low[a]) < 0.1 && fabs(high[a] - 2) < 0.1); /* 32 steps a metre */
+  scree_support_destroy(support);
+  scree_cliff_mesh_free(NULL, &shape.mesh);
+  assert_true(shape.mesh.positions == NULL && shape.mesh.vertex_count == 0);
+  /* What is wrong leaves nothing. */
+  assert_int_equal(scree_cliff_mesh_create(NULL, vertices, 27, indices, 39, NULL, &shape.mesh), SCREE_ERROR_INVALID_ARGUMENT);
+  assert_int_equal(scree_cliff_mesh_create(w.pack, vertices, 27, indices, 38, NULL, &shape.mesh), SCREE_ERROR_INVALID_ARGUMENT);
+  assert_int_equal(scree_cliff_mesh_create(w.pack, vertices, 26, indices, 39, NULL, &shape.mesh), SCREE_ERROR_RANGE);
+  assert_null(shape.mesh.positions);
+  bool failed = true;
+  for (int n = 0; failed; ++n) {
+    failing_allocator failing = {.fail_at = n};
+    const scree_allocator allocator = failing_allocator_of(&failing);
+    const scree_result result = scree_cliff_mesh_create(w.pack, vertices, 27, indices, 39, &allocator, &shape.mesh);
+    failed = result != SCREE_OK;
+    assert_int_equal(result, failing.failed ? SCREE_ERROR_OUT_OF_MEMORY : SCREE_OK);
+    scree_cliff_mesh_free(&allocator, &shape.mesh);
+    assert_int_equal(failing.live, 0);
+    assert_true(failed || n >= 4);
+  }
+  world_free(&w);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
+      cmocka_unit_test(earlier_layers_drop_blocks_and_never_what_stands),
+      cmocka_unit_test(meshes_of_cliffs_are_supports),
       cmocka_unit_test(instances_are_what_stands_and_every_placement_where_it_belongs),
       cmocka_unit_test(all_instances_of_a_cliff_are_turned_and_sized_alike),
       cmocka_unit_test(a_box_has_the_instances_whose_place_is_in_it),

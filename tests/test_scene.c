@@ -48,13 +48,15 @@ static const char everything[] =
     "  {\"shape\": \"noise\", \"amplitude\": 0.2, \"wavelength\": 3, \"octaves\": 4, \"seed\": 4294967295,"
     "   \"child\": {\"shape\": \"intersection\", \"children\": [{\"shape\": \"half_space\"}, {\"shape\": \"pattern\"}]}},"
     "  {\"shape\": \"union\", \"children\": [{\"shape\": \"sphere\"}]},"
-    "  {\"shape\": \"intersection\", \"children\": [{\"shape\": \"box\"}]}]}},"
+    "  {\"shape\": \"intersection\", \"children\": [{\"shape\": \"box\"}]},"
+    "  {\"shape\": \"mesh\", \"pack\": \"hill_cave\", \"time\": 2, \"lod\": 3, \"rotation\": [0, 90, 0]}]}},"
     " {\"pack\": \"x.scree\", \"key\": 0, \"support\": {\"shape\": \"cone\"}},"
     " {\"pack\": \"goblin\", \"spacing\": 3.5, \"seed\": 4, \"scale\": [0.75, 1.25], \"max_slope\": 30, \"weights\": [0.5, 0, 2],"
     "  \"ages\": {\"file\": \"ages.png\", \"spacing\": 2, \"crop\": [1, 2, 3, 4], \"position\": [5, 0, 6], \"inverted\": true},"
     "  \"density\": 0.5, \"filters\": [{\"filter\": \"altitude\", \"to\": 9}], \"support\": {\"shape\": \"box\"}},"
     " {\"models\": [\"tree.glb\", \"a/bush.gltf\"], \"spacing\": 2, \"support\": {\"shape\": \"sphere\"}},"
-    " {\"pack\": \"hill_cave\", \"time\": 3, \"origin\": [1, 2, -3], \"turn\": -45.5, \"scale\": 2, \"seed\": 6}]}";
+    " {\"pack\": \"hill_cave\", \"time\": 3, \"origin\": [1, 2, -3], \"turn\": -45.5, \"scale\": 2, \"seed\": 6, \"what\": "
+    "\"blocks\"}]}";
 
 static scree_result parse(const char* text, scene_model* scene, scree_error* error) {
   return scene_parse(text, strlen(text), "s.json", scene, error);
@@ -87,7 +89,7 @@ static void every_key_is_read(void** state) {
   assert_true(filters[1].kind == SCREE_FILTER_SLOPE && !filters[1].inverted && filters[1].map.low == -3 && filters[1].to == 45);
   assert_true(filters[2].kind == SCREE_FILTER_ALTITUDE && filters[2].from == -10 && filters[2].fade == 2.5);
   assert_int_equal(field->support->kind, SCREE_SHAPE_DIFFERENCE);
-  assert_int_equal(field->support->child_count, 12);
+  assert_int_equal(field->support->child_count, 13);
   const scene_node* smooth = field->support->children[0];
   assert_true(smooth->group.blend == 0.75 && smooth->rotation[2] == -30 && smooth->child_count == 5);
   assert_true(smooth->children[1]->box.half[2] == 3 && smooth->children[1]->box.rounding == 0.5);
@@ -103,6 +105,8 @@ static void every_key_is_read(void** state) {
   assert_true(children[8]->pattern.kind == SCREE_PATTERN_WAVES && children[8]->pattern.wavelength == 4);
   assert_true(children[9]->noise.seed == UINT32_MAX && children[9]->noise.octaves == 4 && children[9]->child_count == 1);
   assert_int_equal(children[9]->children[0]->children[0]->kind, SCREE_SHAPE_HALF_SPACE);
+  assert_string_equal(children[12]->mesh.pack, "hill_cave");
+  assert_true(children[12]->mesh.time == 2 && children[12]->mesh.lod == 3 && children[12]->mesh.file[0] == '\0');
   assert_true(scene.fields[1].shell && scene.fields[1].threshold == 0.5 && scene.fields[1].palette.colour_count == 4);
   assert_false(scene.fields[0].is_scatter || scene.fields[1].is_scatter);
   const scene_field* hoodoos = &scene.fields[2];
@@ -118,7 +122,8 @@ static void every_key_is_read(void** state) {
   assert_string_equal(trees->pack, "");
   const scene_field* cliff = &scene.fields[4];
   assert_true(cliff->is_cliff && !cliff->is_scatter && !trees->is_cliff && cliff->support == NULL);
-  assert_true(cliff->cliff.time == 3 && cliff->cliff.turn == -45.5 && cliff->cliff.scale == 2 && cliff->origin[2] == -3);
+  assert_true(cliff->cliff.time == 3 && cliff->cliff.turn == -45.5 && cliff->cliff.scale == 2 &&
+              cliff->cliff.what == SCREE_CLIFF_BLOCKS && cliff->origin[2] == -3);
   scene_destroy(&scene);
 }
 
