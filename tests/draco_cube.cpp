@@ -29,8 +29,9 @@ extern "C" size_t draco_cube_encode(const float* positions, const float* uvs, ui
   std::vector<uint8_t> narrow;
   std::vector<uint16_t> wide;
   for (size_t i = 0; i < size_t(vertex_count) * 2; ++i) {
-    narrow.push_back(uint8_t(uvs[i] * float(one) + 0.5f));
-    wide.push_back(uint16_t(uvs[i] * float(one) + 0.5f));
+    const uint32_t value = uint32_t(uvs[i] * float(one) + 0.5f);
+    narrow.push_back(uint8_t(value & 255));
+    wide.push_back(uint16_t(value));
   }
   const auto kind = draco::GeometryAttribute::TEX_COORD;
   const uint32_t place = add(mesh, draco::GeometryAttribute::POSITION, draco::DT_FLOAT32, 3, positions, vertex_count);
