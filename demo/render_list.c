@@ -51,7 +51,7 @@ uint32_t render_pack_size(float metres) {
 /* How many times as coarse the pattern of a cliff's rock is as that of stones: the first asset is what stands at first, and its
  * grain would be a fine weave where that is a mountain. */
 static float cliff_grain(const render_cached_source* slot) {
-  const float coarser = slot->assets[0].radius / 40;
+  const float coarser = slot->assets[0].radius / 20;
   return coarser > 1 ? coarser : 1;
 }
 

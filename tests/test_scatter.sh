@@ -44,7 +44,7 @@ done
 # How many rocks a scene has at least. Of the paper's scenes: as many as there.
 declare -A least=([canyon]=25313 [zen_garden]=94658 [bories]=28032 [statue]=8000 [boulder_pile]=3000 [bunny]=6000
   [dry_stone_wall]=2500 [scree_slope]=20000 [goblin_valley]=12000 [hoodoos]=20
-  [hill_cave]=30 [four_times]=40 [basalt_wall]=50 [tilted_slabs]=120 [frost_hoodoo]=100 [ridge]=100)
+  [hill_cave]=20000 [four_times]=90 [basalt_wall]=18000 [tilted_slabs]=18000 [frost_hoodoo]=140 [ridge]=200)
 
 # number FILE KEY: the first number of that key in a report.
 number() { sed -nE "s/.*\"$2\": ([0-9.]+).*/\1/p" "$1" | head -1; }
