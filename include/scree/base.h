@@ -43,7 +43,7 @@ typedef enum scree_result {
   SCREE_ERROR_DIGEST = 8,      /* the bytes are not the ones that were baked */
   SCREE_ERROR_UNSUPPORTED = 9, /* this build lacks the part that was asked for */
   SCREE_ERROR_CAPACITY = 10,   /* the caller's buffer is too small; the needed size was delivered */
-  SCREE_ERROR_NOT_CLOSED = 11, /* a triangle mesh with a border, a flipped or a shared edge */
+  SCREE_ERROR_NOT_CLOSED = 11, /* a triangle mesh with a border or a flipped triangle; where it is said, with an edge of several */
   SCREE_ERROR_SYNTAX = 12,     /* text that is not the JSON that was expected */
   SCREE_ERROR_RANGE = 13,      /* a number outside its documented range */
   SCREE_ERROR_CANCELLED = 14,  /* the progress callback asked to stop */
