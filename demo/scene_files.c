@@ -144,17 +144,17 @@ static scree_result load_cliff(const char* path, const scene_mesh* from, triangl
   return result;
 }
 
-/* The entry of a file, read unless it is known. mesh: or NULL of heights. */
+/* The entry of a file, read unless it is known. map: NULL of a mesh; mesh: empty of heights. */
 static scree_result find_entry(scene_files* files, const scene_paths* paths, const char* where, const scene_mesh* mesh,
                                const scene_height_map* map, const entry** out, scree_error* error) {
-  const bool is_cliff = mesh != NULL && mesh->pack[0] != '\0';
+  const bool is_cliff = mesh->pack[0] != '\0';
   *out = NULL;
   entry* e = calloc(1, sizeof *e);
   if (e == NULL) return fail_with(error, SCREE_ERROR_OUT_OF_MEMORY, "%s: out of memory", paths->scene);
   scree_error cause = {""};
   scree_result result = is_cliff
                             ? scene_find_pack(paths, where, mesh->pack, e->path, sizeof e->path, error)
-                            : scene_find_file(paths, where, mesh != NULL ? mesh->file : map->file, e->path, sizeof e->path, error);
+                            : scene_find_file(paths, where, map != NULL ? map->file : mesh->file, e->path, sizeof e->path, error);
   if (result != SCREE_OK) {
     free(e);
     return result;
@@ -195,10 +195,12 @@ scree_result scene_files_mesh(scene_files* files, const scene_paths* paths, cons
   return result;
 }
 
+static const scene_mesh no_mesh;
+
 scree_result scene_files_heights(scene_files* files, const scene_paths* paths, const char* where, const scene_height_map* map,
                                  const height_samples** out, scree_error* error) {
   const entry* found;
-  scree_result result = find_entry(files, paths, where, NULL, map, &found, error);
+  scree_result result = find_entry(files, paths, where, &no_mesh, map, &found, error);
   *out = found != NULL ? &found->heights : NULL;
   return result;
 }
