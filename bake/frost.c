@@ -19,13 +19,14 @@ typedef struct array {
   size_t count, size;
 } array;
 
-enum { ARRAYS = 13 };
+enum { ARRAYS = 14 };
 
 static void arrays_of(scree_frost* f, array out[ARRAYS]) {
   const size_t shards = f->view.shard_count, links = f->view.link_count;
   const array all[ARRAYS] = {
       {&f->states, shards, sizeof *f->states},
       {&f->open, shards, sizeof *f->open},
+      {&f->rests, shards, sizeof *f->rests},
       {&f->exterior, links, sizeof *f->exterior},
       {&f->lives, links, sizeof *f->lives},
       {&f->passage, links, sizeof *f->passage},
@@ -88,11 +89,6 @@ static scree_result need_stability(scree_frost* f, const scree_frost_rules* rule
   return result;
 }
 
-/* Whether what rests on the lowest place is held: the paper's own way knows of no such thing. */
-static void find_rests(scree_frost* f) {
-  f->rests = f->rules.strength > 0 ? frost_stability_rests(f->stability, f->tables.gravity) : NULL;
-}
-
 scree_result scree_frost_create(const scree_frost_desc* desc, scree_frost** out, scree_error* error) {
   *out = NULL;
   scree_result result = check(desc, error);
@@ -122,8 +118,9 @@ scree_result scree_frost_create(const scree_frost_desc* desc, scree_frost** out,
     return result;
   }
   f->stats.memory += f->tables.size;
-  find_rests(f);
+  frost_find_rests(&f->view, f->tables.gravity, f->rests);
   start_state(f, desc->states);
+  frost_settle(f);
   *out = f;
   return SCREE_OK;
 }
@@ -161,7 +158,8 @@ scree_result scree_frost_set_rules(scree_frost* f, const scree_frost_rules* rule
   f->tables = tables;
   f->rules = *rules;
   forget_pointers(&f->rules);
-  find_rests(f);
+  frost_find_rests(&f->view, f->tables.gravity, f->rests);
+  f->unsettled = true;
   frost_derive(f);
   return SCREE_OK;
 }
@@ -173,6 +171,10 @@ static void check_stability(scree_frost* f) {
   f->unchecked = 0;
 }
 
+static void settle(scree_frost* f) {
+  if (f->unsettled) frost_settle(f);
+}
+
 /* One path. False when nothing takes water. */
 static bool step(scree_frost* f) {
   f->stats.dry = !frost_path(f);
@@ -181,6 +183,7 @@ static bool step(scree_frost* f) {
 }
 
 scree_result scree_frost_step(scree_frost* f, uint64_t count) {
+  settle(f);
   for (uint64_t i = 0; i < count && step(f); ++i) {}
   check_stability(f);
   return SCREE_OK;
@@ -204,6 +207,7 @@ static bool is_above(scree_frost* f, double stop) {
 scree_result scree_frost_run(scree_frost* f, double share, uint64_t most, bool (*progress)(void* user, double done), void* user) {
   enum { PATHS_BETWEEN = 1024 };
   if (!(share >= 0) || !(share <= 1)) return SCREE_ERROR_RANGE;
+  settle(f);
   const double stop = share * f->stats.start_volume, start = f->stats.volume;
   bool go_on = true;
   for (uint64_t i = 0; i < most && is_above(f, stop) && go_on && step(f); ++i) {
@@ -219,7 +223,7 @@ scree_result scree_frost_run(scree_frost* f, double share, uint64_t most, bool (
 
 /* --- edits ------------------------------------------------------------------------------------------------------------------- */
 
-/* What stood apart when it was air stands by itself: it hangs together with what stands by new links. */
+/* It hangs together with what stands by new links. */
 static void stand_again(scree_frost* f, uint32_t shard, scree_shard_state state) {
   const scree_shard* s = &f->view.shards[shard];
   frost_unblock(f, shard);
@@ -236,12 +240,15 @@ static void stand_again(scree_frost* f, uint32_t shard, scree_shard_state state)
 
 scree_result scree_frost_set_shard(scree_frost* f, uint32_t shard, scree_shard_state state) {
   if (shard >= f->view.shard_count || (uint32_t)state > SCREE_SHARD_CORE) return SCREE_ERROR_INVALID_ARGUMENT;
+  settle(f);
   const scree_shard_state was = (scree_shard_state)f->states[shard];
   if (state == was) return SCREE_OK;
   if (state == SCREE_SHARD_AIR) {
     frost_take_shard(f, shard);
+    frost_settle(f);
     return SCREE_OK;
   }
+  const bool more_core = state == SCREE_SHARD_CORE && was == SCREE_SHARD_SOLID && f->stats.core > 0; /* all are held as they were */
   f->stats.solid += state == SCREE_SHARD_SOLID;
   f->stats.core += state == SCREE_SHARD_CORE;
   f->stats.solid -= was == SCREE_SHARD_SOLID;
@@ -250,11 +257,13 @@ scree_result scree_frost_set_shard(scree_frost* f, uint32_t shard, scree_shard_s
     stand_again(f, shard, state);
   else
     f->states[shard] = (uint8_t)state;
+  if (!more_core) frost_settle(f);
   return SCREE_OK;
 }
 
 scree_result scree_frost_set_life(scree_frost* f, uint32_t link, double life) {
   if (link >= f->view.interior_link_count || !(life >= 0) || !(life <= 1)) return SCREE_ERROR_INVALID_ARGUMENT;
+  settle(f);
   if (life == 0) {
     frost_break_link(f, link);
     return SCREE_OK;
@@ -263,6 +272,7 @@ scree_result scree_frost_set_life(scree_frost* f, uint32_t link, double life) {
   if (!frost_stands(f, sides[0]) || !frost_stands(f, sides[1])) return SCREE_ERROR_INVALID_ARGUMENT;
   f->lives[link] = life;
   f->passage[link] = 1 - life * f->tables.resistance[link];
+  if (f->apart) frost_settle(f); /* it may have made another component the largest */
   return SCREE_OK;
 }
 

@@ -178,6 +178,7 @@ static void detach(scree_frost* f, uint32_t first, uint32_t second) {
     const int falls = done(&a) ? who_falls(&a, &b, true) : done(&b) ? -who_falls(&b, &a, false) : 0;
     if (falls == 1) fall(f, a.queue, a.count);
     if (falls == -1) fall(f, b.queue, b.count);
+    if (falls != 0 && f->apart) frost_settle(f);
     if (falls != 0) return;
     const bool of_b = done(&a) || (turn && !done(&b));
     if (of_b ? advance(f, &b, a.mark) : advance(f, &a, b.mark)) return;
@@ -233,4 +234,35 @@ void frost_take_shard(scree_frost* f, uint32_t shard) {
     for (uint32_t i = starts[p]; i < end; ++i) core = core || frost_holds(f, queue[i]);
     if (any_core ? !core : p != largest) fall(f, queue + starts[p], end - starts[p]);
   }
+}
+
+void frost_settle(scree_frost* f) {
+  const uint32_t mark = frost_new_marks(f);
+  uint32_t* queue = f->queues[0]; /* component after component, by their lowest shards; they start where `starts` says */
+  uint32_t* starts = f->queues[1];
+  uint32_t parts = 0, total = 0, largest = 0, largest_count = 0;
+  bool any_holds = false;
+  for (uint32_t s = 0; s < f->view.shard_count; ++s) {
+    if (!frost_stands(f, s) || f->marks[s] == mark) continue;
+    search part = begin(f, queue + total, s, mark);
+    while (!done(&part)) advance(f, &part, mark + 1);
+    any_holds = any_holds || part.core;
+    if (part.count > largest_count) {
+      largest = parts;
+      largest_count = part.count;
+    }
+    starts[parts++] = total;
+    total += part.count;
+  }
+  uint32_t left = parts;
+  for (uint32_t p = 0; p < parts && parts > 1; ++p) {
+    const uint32_t end = p + 1 < parts ? starts[p + 1] : total;
+    bool stays = !any_holds && p == largest;
+    for (uint32_t i = starts[p]; i < end && !stays; ++i) stays = any_holds ? frost_holds(f, queue[i]) : f->rests[queue[i]] != 0;
+    if (stays) continue;
+    fall(f, queue + starts[p], end - starts[p]);
+    --left;
+  }
+  f->apart = left > 1 && !any_holds;
+  f->unsettled = false;
 }

@@ -64,7 +64,9 @@ struct scree_frost {
   scree_frost_stats stats; /* its `volume` is kept by sums; memory too */
   uint32_t unchecked;      /* breaks since stability was looked at */
   frost_stability* stability;
-  const uint8_t* rests; /* of the stability's, where the rules have strength, else NULL */
+  uint8_t* rests; /* of each shard: 1 where it reaches down to the solid's lowest place */
+  bool unsettled; /* rules or state came anew: what these do not hold falls before the next path or edit */
+  bool apart;     /* more than one component stands, and none by what holds: see frost_settle */
 
   /* What fell and was kept, in the order of falling: a shard is in at most one block. */
   scree_block* blocks;
@@ -88,7 +90,7 @@ static inline bool frost_stands(const scree_frost* f, uint32_t shard) {
 /* Whether what hangs together with the shard stays: it is core, or, with stability and without core, rests on the lowest place. */
 static inline bool frost_holds(const scree_frost* f, uint32_t shard) {
   if (f->states[shard] == SCREE_SHARD_CORE) return true;
-  return f->rests != NULL && f->stats.core == 0 && f->rests[shard] != 0;
+  return f->rules.strength > 0 && f->stats.core == 0 && f->rests[shard] != 0;
 }
 
 /* The shard on the other side of a link: SCREE_NO_SHARD for the outside. */
@@ -114,6 +116,12 @@ void frost_break_link(scree_frost* f, uint32_t link);
 
 /* Makes a shard air that fell not, and lets fall what it leaves hanging. */
 void frost_take_shard(scree_frost* f, uint32_t shard);
+
+/* Of all components of what stands, those that nothing holds fall, by their lowest shards: where some have a shard that holds,
+ * those that have none, else all but the largest, of equal ones that with the lowest shard, and those that rest on the lowest
+ * place. Breakages keep to that by themselves, but where components are apart without what holds: there the largest may become
+ * another. */
+void frost_settle(scree_frost* f);
 
 /* Takes a shard that stands again out of the block that it fell in. */
 void frost_unblock(scree_frost* f, uint32_t shard);

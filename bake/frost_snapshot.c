@@ -80,5 +80,6 @@ void scree_frost_restore(scree_frost* f, const scree_frost_snapshot* s) {
   f->stream = s->stream;
   f->stats = s->stats;
   f->stats.memory = memory;
+  f->unsettled = true; /* rules may be others */
   frost_derive(f);
 }

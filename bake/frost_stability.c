@@ -28,9 +28,8 @@ struct frost_stability {
   scree_allocator allocator;
   scree_shards_view view;
   symmetric* spread; /* K of each interior link */
-  double* lowest;    /* of each shard: how far along `gravity` it reaches */
-  uint8_t* rests;    /* of each shard: 1 where that is the lowest place of all */
-  double gravity[3]; /* that these are of, unit; 0 before the first call */
+  uint8_t* rests;    /* of each shard: 1 where it is at the lowest place */
+  double gravity[3]; /* that these are of; 0 before the first call */
   uint32_t* level;
   uint32_t* queue;  /* shards by level */
   uint32_t* root;   /* union-find */
@@ -80,7 +79,6 @@ static void release_all(frost_stability* s) {
   const scree_allocator a = s->allocator;
   const uint32_t shards = s->view.shard_count, links = s->view.interior_link_count;
   scree_rt_release(&a, s->spread, links, sizeof *s->spread);
-  scree_rt_release(&a, s->lowest, shards, sizeof *s->lowest);
   scree_rt_release(&a, s->rests, shards, sizeof *s->rests);
   scree_rt_release(&a, s->level, shards, sizeof *s->level);
   scree_rt_release(&a, s->queue, shards, sizeof *s->queue);
@@ -100,7 +98,6 @@ scree_result frost_stability_create(const scree_shards* shards, const scree_allo
   s->view = shards->view;
   const uint32_t count = s->view.shard_count, links = s->view.interior_link_count;
   s->spread = scree_rt_allocate(&a, links, sizeof *s->spread);
-  s->lowest = scree_rt_allocate(&a, count, sizeof *s->lowest);
   s->rests = scree_rt_allocate(&a, count, sizeof *s->rests);
   s->level = scree_rt_allocate(&a, count, sizeof *s->level);
   s->queue = scree_rt_allocate(&a, count, sizeof *s->queue);
@@ -108,8 +105,8 @@ scree_result frost_stability_create(const scree_shards* shards, const scree_allo
   s->groups = scree_rt_allocate(&a, count, sizeof *s->groups);
   s->sums = scree_rt_allocate(&a, count, sizeof *s->sums);
   s->cuts = scree_rt_allocate(&a, links, sizeof *s->cuts);
-  if ((links > 0 && (s->spread == NULL || s->cuts == NULL)) || s->lowest == NULL || s->rests == NULL || s->level == NULL ||
-      s->queue == NULL || s->root == NULL || s->groups == NULL || s->sums == NULL) {
+  if ((links > 0 && (s->spread == NULL || s->cuts == NULL)) || s->rests == NULL || s->level == NULL || s->queue == NULL ||
+      s->root == NULL || s->groups == NULL || s->sums == NULL) {
     release_all(s);
     return SCREE_ERROR_OUT_OF_MEMORY;
   }
@@ -124,35 +121,43 @@ void frost_stability_destroy(frost_stability* stability) {
 
 size_t frost_stability_memory(const frost_stability* s) {
   return sizeof *s + s->view.interior_link_count * (sizeof *s->spread + sizeof *s->cuts) +
-         s->view.shard_count * (sizeof *s->lowest + sizeof *s->rests + sizeof *s->level + sizeof *s->queue + sizeof *s->root +
-                                sizeof *s->groups + sizeof *s->sums);
+         s->view.shard_count *
+             (sizeof *s->rests + sizeof *s->level + sizeof *s->queue + sizeof *s->root + sizeof *s->groups + sizeof *s->sums);
+}
+
+/* How far along `unit` a shard reaches; `least`: the other way. */
+static double lowest_of(const scree_shards_view* v, const scree_shard* shard, const double unit[3], double* least) {
+  double low = -INFINITY;
+  for (uint32_t k = 0; k < shard->link_count; ++k) {
+    const scree_link* link = &v->links[v->shard_links[shard->first_link + k]];
+    for (uint32_t p = link->first_polygon; p < link->first_polygon + link->polygon_count; ++p) {
+      const scree_polygon* polygon = &v->polygons[p];
+      for (uint32_t c = 0; c < polygon->corner_count; ++c) {
+        const double at = dot(v->vertices + 3 * (size_t)v->corners[polygon->first_corner + c], unit);
+        if (at > low) low = at;
+        if (at < *least) *least = at;
+      }
+    }
+  }
+  return low;
+}
+
+void frost_find_rests(const scree_shards_view* v, const double gravity[3], uint8_t* rests) {
+  const double length = sqrt(dot(gravity, gravity));
+  const double unit[3] = {gravity[0] / length, gravity[1] / length, gravity[2] / length};
+  double least = INFINITY, most = -INFINITY;
+  for (uint32_t i = 0; i < v->shard_count; ++i) {
+    const double low = lowest_of(v, &v->shards[i], unit, &least);
+    if (low > most) most = low;
+  }
+  const double extent = most - least;
+  for (uint32_t i = 0; i < v->shard_count; ++i) rests[i] = most - lowest_of(v, &v->shards[i], unit, &least) <= 1e-6 * extent;
 }
 
 const uint8_t* frost_stability_rests(frost_stability* s, const double gravity[3]) {
-  const double length = sqrt(dot(gravity, gravity));
-  const double unit[3] = {gravity[0] / length, gravity[1] / length, gravity[2] / length};
-  if (memcmp(s->gravity, unit, sizeof s->gravity) == 0) return s->rests;
-  memcpy(s->gravity, unit, sizeof s->gravity);
-  const scree_shards_view* v = &s->view;
-  double least = INFINITY, most = -INFINITY;
-  for (uint32_t i = 0; i < v->shard_count; ++i) {
-    const scree_shard* shard = &v->shards[i];
-    double low = -INFINITY;
-    for (uint32_t k = 0; k < shard->link_count; ++k) {
-      const scree_link* link = &v->links[v->shard_links[shard->first_link + k]];
-      for (uint32_t p = link->first_polygon; p < link->first_polygon + link->polygon_count; ++p) {
-        const scree_polygon* polygon = &v->polygons[p];
-        for (uint32_t c = 0; c < polygon->corner_count; ++c) {
-          const double at = dot(v->vertices + 3 * (size_t)v->corners[polygon->first_corner + c], unit);
-          if (at > low) low = at;
-          if (at < least) least = at;
-        }
-      }
-    }
-    s->lowest[i] = low;
-    if (low > most) most = low;
-  }
-  for (uint32_t i = 0; i < v->shard_count; ++i) s->rests[i] = most - s->lowest[i] <= 1e-6 * (most - least);
+  if (memcmp(s->gravity, gravity, sizeof s->gravity) == 0) return s->rests;
+  memcpy(s->gravity, gravity, sizeof s->gravity);
+  frost_find_rests(&s->view, gravity, s->rests);
   return s->rests;
 }
 

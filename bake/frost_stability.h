@@ -3,8 +3,8 @@
  *
  * Let g be the vector of gravity, 9.81 m/s^2 along the rules' direction, and d(i) the distance of shard i from the supported ones,
  * in unbroken links between shards that are not air. What no such links join to a supported shard has no distance, and the rule
- * says nothing of it; nor of anything where nothing is supported. For a level d > 0 a group is a component, by such links, of the
- * shards at distance >= d; its cut is its links to distance d - 1.
+ * says nothing of it (in a simulation it fell: frost_settle); nor of anything where nothing is supported. For a level d > 0 a group
+ * is a component, by such links, of the shards at distance >= d; its cut is its links to distance d - 1.
  *
  *   m = density * sum of volumes, G = centre of mass, W = m g
  *   link k of the cut: area a_k, life l_k, centroid x_k, unit normal n_k into the group,
@@ -45,8 +45,11 @@ scree_result frost_stability_create(const scree_shards* shards, const scree_allo
 void frost_stability_destroy(frost_stability* stability); /* NULL is allowed */
 size_t frost_stability_memory(const frost_stability* stability);
 
-/* Of each shard: 1 where it has a vertex within 1e-6 of the solid's extent along gravity from its lowest place. Such shards are the
- * supported ones where none is core. Stays where it is, and true until the next call with another gravity. Allocates nothing. */
+/* Of each shard: 1 where it has a vertex within 1e-6 of the solid's extent along gravity from its lowest place. */
+void frost_find_rests(const scree_shards_view* view, const double gravity[3], uint8_t* rests);
+
+/* The same, kept: such shards are the supported ones where none is core. Stays where it is, and true until the next call with
+ * another gravity. Allocates nothing. */
 const uint8_t* frost_stability_rests(frost_stability* stability, const double gravity[3]);
 
 /* How many groups break off; their cuts' links are then frost_stability_cuts, the farthest group's first, until the next call.

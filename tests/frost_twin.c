@@ -23,6 +23,7 @@ frost_twin* frost_twin_create(const scree_frost* like) {
   t->exterior = must(malloc(links));
   t->walked = must(malloc(links));
   t->lives = must(malloc(links * sizeof *t->lives));
+  t->down = must(calloc(shards, 1));
   t->labels = must(malloc(shards * sizeof *t->labels));
   t->queue = must(malloc((shards + links) * sizeof *t->queue));
   t->blocks = must(calloc(shards, sizeof *t->blocks));
@@ -45,11 +46,29 @@ frost_twin* frost_twin_create(const scree_frost* like) {
   return t;
 }
 
+frost_twin* frost_twin_start(const scree_frost* like, const uint8_t* states) {
+  const scree_shards_view* v = &like->view;
+  frost_twin* t = frost_twin_create(like);
+  memset(t->states, SCREE_SHARD_SOLID, v->shard_count);
+  if (states != NULL) memcpy(t->states, states, v->shard_count);
+  memset(t->blocks, 0, v->shard_count * sizeof *t->blocks);
+  t->block_count = 0;
+  t->detachments = 0;
+  for (uint32_t l = 0; l < v->link_count; ++l) {
+    const uint32_t* sides = v->links[l].shards;
+    t->lives[l] = sides[1] != SCREE_NO_SHARD && stands(t, sides[0]) && stands(t, sides[1]) ? 1 : 0;
+  }
+  frost_twin_exterior(t, t->exterior);
+  frost_twin_settle(t);
+  return t;
+}
+
 void frost_twin_destroy(frost_twin* t) {
   free(t->states);
   free(t->exterior);
   free(t->walked);
   free(t->lives);
+  free(t->down);
   free(t->labels);
   free(t->queue);
   free(t->blocks);
@@ -149,13 +168,10 @@ static void fall(frost_twin* t, uint32_t falling, bool walk) {
   for (uint32_t l = 0; walk && l < v->link_count; ++l) t->walk_differs += t->walked[l] != t->exterior[l];
 }
 
-/* With stability and without core: whether the shard reaches down to the lowest place there is. */
-static bool rests(const frost_twin* t, uint32_t shard) {
+/* Whether the shard reaches down to the lowest place there is. */
+static bool reaches_down(const frost_twin* t, uint32_t shard) {
   const scree_shards_view* v = &t->like->view;
   const double* g = t->like->tables.gravity;
-  if (!(t->like->rules.strength > 0)) return false;
-  for (uint32_t s = 0; s < v->shard_count; ++s)
-    if (t->states[s] == SCREE_SHARD_CORE) return false;
   double low[2] = {-INFINITY, -INFINITY}, high = INFINITY; /* of all, and of this one */
   for (uint32_t l = 0; l < v->link_count; ++l)
     for (uint32_t p = v->links[l].first_polygon; p < v->links[l].first_polygon + v->links[l].polygon_count; ++p)
@@ -169,32 +185,184 @@ static bool rests(const frost_twin* t, uint32_t shard) {
   return low[0] - low[1] <= 1e-6 * (low[0] - high);
 }
 
-static void break_link(frost_twin* t, uint32_t link, bool walk) {
+static void find_down(frost_twin* t) {
+  const double* g = t->like->tables.gravity;
+  if (g[0] == t->down_gravity[0] && g[1] == t->down_gravity[1] && g[2] == t->down_gravity[2]) return;
+  memcpy(t->down_gravity, g, sizeof t->down_gravity);
+  for (uint32_t s = 0; s < t->like->view.shard_count; ++s) t->down[s] = reaches_down(t, s);
+}
+
+static bool any_core(const frost_twin* t) {
+  for (uint32_t s = 0; s < t->like->view.shard_count; ++s)
+    if (t->states[s] == SCREE_SHARD_CORE) return true;
+  return false;
+}
+
+/* Core, or what is as core: with stability and without core, what reaches down. */
+static bool holds(const frost_twin* t, uint32_t shard, bool core) {
+  if (core) return t->states[shard] == SCREE_SHARD_CORE;
+  return t->like->rules.strength > 0 && stands(t, shard) && t->down[shard] != 0;
+}
+
+/* All connected components: the label of each shard is 1 + the lowest shard of its own, 0 = air. */
+static void label_all(frost_twin* t) {
+  const uint32_t count = t->like->view.shard_count;
+  memset(t->labels, 0, count * sizeof *t->labels);
+  for (uint32_t s = 0; s < count; ++s)
+    if (t->labels[s] == 0 && stands(t, s)) label(t, s, 0, s + 1, 0);
+}
+
+static void drop(frost_twin* t, uint32_t component) {
+  const uint32_t count = t->like->view.shard_count, falling = count + 1;
+  for (uint32_t s = 0; s < count; ++s)
+    if (t->labels[s] == component) t->labels[s] = falling;
+  fall(t, falling, t->walk);
+  for (uint32_t s = 0; s < count; ++s)
+    if (!stands(t, s)) t->labels[s] = 0;
+}
+
+/* What of a component matters, by its label. */
+typedef struct component {
+  uint32_t size;
+  bool holds, down;
+} component;
+
+/* Of the largest, the one with the lowest shard. */
+static component* weigh_components(frost_twin* t, uint32_t* largest, bool* any_holds) {
+  const uint32_t count = t->like->view.shard_count;
+  component* all = must(calloc((size_t)count + 1, sizeof *all));
+  const bool core = any_core(t);
+  find_down(t);
+  *largest = 0;
+  *any_holds = false;
+  for (uint32_t s = 0; s < count; ++s) {
+    if (t->labels[s] == 0) continue;
+    component* c = &all[t->labels[s]];
+    ++c->size;
+    c->holds = c->holds || holds(t, s, core);
+    c->down = c->down || t->down[s] != 0;
+    *any_holds = *any_holds || c->holds;
+  }
+  for (uint32_t i = 1; i <= count; ++i)
+    if (all[i].size > all[*largest].size) *largest = i;
+  return all;
+}
+
+uint32_t frost_twin_floating(frost_twin* t) {
+  const uint32_t count = t->like->view.shard_count;
+  uint32_t largest, floating = 0;
+  bool any_holds;
+  label_all(t);
+  component* all = weigh_components(t, &largest, &any_holds);
+  for (uint32_t i = 1; i <= count; ++i)
+    if (any_holds ? !all[i].holds : !all[i].down && all[i].size < all[largest].size) floating += all[i].size;
+  free(all);
+  return floating;
+}
+
+void frost_twin_settle(frost_twin* t) {
+  uint32_t largest;
+  bool any_holds;
+  label_all(t);
+  component* all = weigh_components(t, &largest, &any_holds);
+  for (uint32_t i = 1; i <= t->like->view.shard_count; ++i)
+    if (all[i].size > 0 && (any_holds ? !all[i].holds : !all[i].down && i != largest)) drop(t, i);
+  free(all);
+}
+
+static void break_link(frost_twin* t, uint32_t link) {
   const scree_shards_view* v = &t->like->view;
   const uint32_t* ends = v->links[link].shards;
   t->lives[link] = 0;
   ++t->breaks;
-  /* All connected components: the label of each shard is 1 + the lowest shard of its own. */
-  memset(t->labels, 0, v->shard_count * sizeof *t->labels);
-  for (uint32_t s = 0; s < v->shard_count; ++s)
-    if (t->labels[s] == 0 && stands(t, s)) label(t, s, 0, s + 1, 0);
+  label_all(t);
   const uint32_t labels[2] = {t->labels[ends[0]], t->labels[ends[1]]};
   if (labels[0] == labels[1]) return;
   uint32_t sizes[2] = {0}, cores[2] = {0};
+  const bool core = any_core(t);
+  find_down(t);
   for (uint32_t s = 0; s < v->shard_count; ++s)
     for (int i = 0; i < 2; ++i)
       if (t->labels[s] == labels[i]) {
         ++sizes[i];
-        cores[i] += t->states[s] == SCREE_SHARD_CORE || rests(t, s);
+        cores[i] += holds(t, s, core);
       }
   if (cores[0] > 0 && cores[1] > 0) return;
   uint32_t loser = sizes[0] < sizes[1] ? 0 : 1;
   if (cores[0] > 0) loser = 1;
   if (cores[1] > 0) loser = 0;
-  const uint32_t falling = v->shard_count + 1;
-  for (uint32_t s = 0; s < v->shard_count; ++s)
-    if (t->labels[s] == labels[loser]) t->labels[s] = falling;
-  fall(t, falling, walk);
+  drop(t, labels[loser]);
+  frost_twin_settle(t);
+}
+
+/* --- edits ------------------------------------------------------------------------------------------------------------------- */
+
+static void take_shard(frost_twin* t, uint32_t shard) {
+  const scree_shards_view* v = &t->like->view;
+  const scree_shard* s = &v->shards[shard];
+  bool* linked = must(calloc(v->shard_count, sizeof *linked));
+  for (uint32_t k = 0; k < s->link_count; ++k) {
+    const uint32_t l = v->shard_links[s->first_link + k];
+    if (t->lives[l] > 0) linked[v->links[l].shards[v->links[l].shards[0] == shard]] = true;
+    t->lives[l] = 0;
+  }
+  t->states[shard] = SCREE_SHARD_AIR;
+  frost_twin_exterior(t, t->exterior);
+  label_all(t);
+  uint32_t largest;
+  bool any_holds;
+  component* all = weigh_components(t, &largest, &any_holds);
+  any_holds = false; /* among the parts that it leaves */
+  largest = 0;
+  for (uint32_t i = 0; i < v->shard_count; ++i)
+    if (linked[i]) {
+      const component* c = &all[t->labels[i]];
+      any_holds = any_holds || c->holds;
+      if (c->size > all[largest].size || (c->size == all[largest].size && t->labels[i] < largest)) largest = t->labels[i];
+    }
+  for (uint32_t k = 0; k < s->link_count; ++k) { /* blocks are numbered in the order of links */
+    const uint32_t* sides = v->links[v->shard_links[s->first_link + k]].shards;
+    const uint32_t other = sides[sides[0] == shard];
+    if (other == SCREE_NO_SHARD || !linked[other] || !stands(t, other)) continue;
+    if (any_holds ? !all[t->labels[other]].holds : t->labels[other] != largest) drop(t, t->labels[other]);
+  }
+  free(all);
+  free(linked);
+}
+
+/* Out of its block; a block that it was alone in is no more. */
+static void stand_again(frost_twin* t, uint32_t shard) {
+  const scree_shards_view* v = &t->like->view;
+  const uint32_t block = t->blocks[shard];
+  t->blocks[shard] = 0;
+  bool alone = block != 0;
+  for (uint32_t s = 0; s < v->shard_count; ++s) alone = alone && t->blocks[s] != block;
+  for (uint32_t s = 0; s < v->shard_count; ++s) t->blocks[s] -= alone && t->blocks[s] > block;
+  t->block_count -= alone;
+  for (uint32_t l = 0; l < v->interior_link_count; ++l) {
+    const uint32_t* sides = v->links[l].shards;
+    if ((sides[0] == shard || sides[1] == shard) && stands(t, sides[0]) && stands(t, sides[1])) t->lives[l] = 1;
+  }
+  frost_twin_exterior(t, t->exterior);
+}
+
+void frost_twin_set_shard(frost_twin* t, uint32_t shard, scree_shard_state state) {
+  const bool stood = stands(t, shard);
+  if (state == SCREE_SHARD_AIR) {
+    if (stood) take_shard(t, shard);
+  } else {
+    t->states[shard] = (uint8_t)state;
+    if (!stood) stand_again(t, shard);
+  }
+  frost_twin_settle(t);
+}
+
+void frost_twin_set_life(frost_twin* t, uint32_t link, double life) {
+  if (life > 0)
+    t->lives[link] = life;
+  else if (t->lives[link] > 0)
+    break_link(t, link);
+  frost_twin_settle(t);
 }
 
 /* --- 5.1: where water goes --------------------------------------------------------------------------------------------------- */
@@ -314,6 +482,7 @@ static double w_abs(const frost_twin* t, uint32_t link) {
 }
 
 bool frost_twin_path(frost_twin* t, bool walk) {
+  t->walk = walk;
   const scree_frost_rules* rules = &t->like->rules;
   const double k_dmg = rules->damage * t->like->view.mean_link_area;
   uint32_t link;
@@ -328,10 +497,10 @@ bool frost_twin_path(frost_twin* t, bool walk) {
     if (t->lives[link] > 0) {
       const double life = t->lives[link] - k_dmg * taken / t->like->view.links[link].area;
       if (!(life > 0)) {
-        break_link(t, link, walk);
+        break_link(t, link);
       } else if (life < rules->break_life && random_unit(&t->stream) < rules->break_chance * (1 - life / rules->break_life)) {
         ++t->forced;
-        break_link(t, link, walk);
+        break_link(t, link);
       } else {
         t->lives[link] = life;
       }

@@ -7,10 +7,13 @@
 
 typedef struct frost_twin {
   const scree_frost* like; /* for the view, the rules, rains and resistances alone */
+  bool walk;               /* see frost_twin_path */
   random_stream stream;
   uint8_t *states, *exterior, *walked;
   double* lives;
   uint32_t *labels, *queue;
+  uint8_t* down; /* of each shard: whether it reaches the lowest place along `down_gravity` */
+  double down_gravity[3];
   uint32_t* blocks; /* of each shard: 1 + the block that it fell in, 0 = none */
   uint32_t block_count;
   uint64_t paths, breaks, forced, detachments, visited;
@@ -18,13 +21,26 @@ typedef struct frost_twin {
   uint64_t walk_differs; /* links, over all falls, where the walk of the paper is another */
 } frost_twin;
 
-/* The state of a simulation, to go on from. Rules must stay those of `like`. */
+/* The state of a simulation, to go on from. Rules are those that `like` has at the time. */
 frost_twin* frost_twin_create(const scree_frost* like);
+/* From given states, NULL = all solid, and the random stream that `like` is at, which has just been created. */
+frost_twin* frost_twin_start(const scree_frost* like, const uint8_t* states);
 void frost_twin_destroy(frost_twin* twin);
 
 /* False where nothing takes water. walk: counts where the paper's breadth-first walk over the links graph, from the exterior links
  * that are left, says something else about what is exterior. */
 bool frost_twin_path(frost_twin* twin, bool walk);
+
+/* Edits, as scree_frost_set_shard and scree_frost_set_life, by the components of all shards. */
+void frost_twin_set_shard(frost_twin* twin, uint32_t shard, scree_shard_state state);
+void frost_twin_set_life(frost_twin* twin, uint32_t link, double life);
+
+/* Lets fall what nothing holds: to be called when the rules of `like` were changed. */
+void frost_twin_settle(frost_twin* twin);
+
+/* Shards that break the promise: they stand without a path to a core shard, where some are core; else, with stability, to one that
+ * rests on the lowest place, where some do; else to one that rests, nor are they of a largest component. */
+uint32_t frost_twin_floating(frost_twin* twin);
 
 /* What of a state is exterior, found from nothing. out: of each link. */
 void frost_twin_exterior(frost_twin* twin, uint8_t* out);

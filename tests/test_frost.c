@@ -84,7 +84,8 @@ static void states_are_the_twins_on_random_lattices_and_rules(void** state) {
     random_frost_states(&stream, shards->view.shard_count, states);
     if (round % 2 == 1) rules.strength = 1e12; /* stability by which nothing breaks, but what rests does not fall */
     scree_frost* f = must_freeze(shards, &rules, states, round);
-    frost_twin* twin = frost_twin_create(f);
+    frost_twin* twin = frost_twin_start(f, states);
+    compare(f, twin);
     run_both(f, twin, 600, 1 + (uint32_t)(random_unit(&stream) * 10), false);
     falls += f->stats.detachments;
     breaks += f->stats.breaks;
@@ -118,7 +119,7 @@ static void states_are_the_twins_on_voronoi_shards(void** state) {
     for (uint32_t s = 0; s < v.shard_count && round % 2 == 1; ++s)
       states[s] = v.shards[s].centroid[1] < v.min[1] + 2 ? SCREE_SHARD_CORE : SCREE_SHARD_SOLID;
     scree_frost* f = must_freeze(shards, &rules, states, round);
-    frost_twin* twin = frost_twin_create(f);
+    frost_twin* twin = frost_twin_start(f, states);
     run_both(f, twin, 4000, 50, true);
     falls += f->stats.detachments;
     walks += twin->walk_differs;
@@ -173,7 +174,7 @@ static void states_are_the_twins_on_concave_meshes(void** state) {
       for (uint32_t s = 0; s < v->shard_count && round == 1; ++s)
         states[s] = v->shards[s].centroid[1] < v->min[1] + 0.3 * (v->max[1] - v->min[1]) ? SCREE_SHARD_CORE : SCREE_SHARD_SOLID;
       scree_frost* f = must_freeze(shards, &rules, states, n);
-      frost_twin* twin = frost_twin_create(f);
+      frost_twin* twin = frost_twin_start(f, states);
       run_both(f, twin, 400, 40, false);
       scree_frost_stats stats;
       scree_frost_get_stats(f, &stats);

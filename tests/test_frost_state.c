@@ -141,6 +141,61 @@ static void what_an_edit_leaves_hanging_falls(void** state) {
   scree_shards_destroy(shards);
 }
 
+static void what_nothing_holds_falls_at_once(void** state) {
+  (void)state;
+  static const struct {
+    uint32_t across, high; /* shards of a wall: x + across * y */
+    uint8_t given[12];
+    double strength;
+    uint8_t created[12];
+    uint32_t edited;
+    scree_shard_state to;
+    uint8_t after[12];
+  } cases[] = {
+      /* created: without core the largest stays, of equal ones that with the lowest shard, and what rests on the lowest place */
+      {1, 5, {1, 0, 1, 0, 0}, 0, {1, 1, 1, 0, 0}, 3, SCREE_SHARD_SOLID, {1, 1, 1, 0, 0}},
+      {1, 6, {1, 0, 0, 1, 0, 0}, 0, {1, 0, 0, 1, 1, 1}, 1, SCREE_SHARD_SOLID, {1, 0, 0, 1, 1, 1}},
+      {1, 5, {0, 1, 0, 0, 0}, 0, {0, 1, 0, 0, 0}, 2, SCREE_SHARD_SOLID, {0, 1, 0, 0, 0}},
+      {5, 1, {0, 0, 1, 0, 0}, 0, {0, 0, 1, 0, 0}, 1, SCREE_SHARD_SOLID, {0, 0, 1, 0, 0}}, /* two bodies on the ground */
+      {5, 1, {0, 0, 1, 0, 0}, 1e9, {0, 0, 1, 0, 0}, 1, SCREE_SHARD_SOLID, {0, 0, 1, 0, 0}},
+      {1, 5, {0, 1, 0, 0, 0}, 1e9, {0, 1, 1, 1, 1}, 2, SCREE_SHARD_SOLID, {0, 1, 1, 1, 1}}, /* what rests carries */
+      {5, 1, {2, 0, 1, 0, 0}, 0, {2, 0, 1, 1, 1}, 2, SCREE_SHARD_SOLID, {2, 0, 0, 1, 1}},   /* core alone holds */
+      /* edits */
+      {5, 1, {2, 0, 1, 0, 2}, 0, {2, 0, 1, 0, 2}, 4, SCREE_SHARD_SOLID, {2, 0, 1, 1, 1}}, /* the last path to core is lost */
+      {5, 1, {2, 0, 1, 0, 2}, 1e9, {2, 0, 1, 0, 2}, 0, SCREE_SHARD_SOLID, {1, 1, 1, 0, 2}},
+      {5, 1, {0, 0, 1, 0, 0}, 0, {0, 0, 1, 0, 0}, 4, SCREE_SHARD_CORE, {1, 1, 1, 0, 2}},  /* the first core */
+      {1, 5, {2, 1, 1, 1, 1}, 0, {2, 1, 1, 1, 1}, 2, SCREE_SHARD_SOLID, {2, 1, 1, 1, 1}}, /* built in the air */
+      {1, 5, {2, 1, 1, 1, 1}, 0, {2, 1, 1, 1, 1}, 2, SCREE_SHARD_CORE, {2, 1, 2, 1, 1}},
+      /* the largest becomes another */
+      {3,
+       4,
+       {0, 0, 0, 1, 1, 1, 1, 0, 1, 0, 0, 0},
+       0,
+       {0, 0, 0, 1, 1, 1, 1, 0, 1, 0, 0, 0},
+       7,
+       SCREE_SHARD_AIR,
+       {0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1, 1}},
+  };
+  for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+    const uint32_t size[3] = {cases[i].across, cases[i].high, 1}, count = size[0] * size[1];
+    scree_shards* shards = make_lattice(size, 0, NULL);
+    scree_frost_rules rules;
+    scree_frost_rules_default(&rules);
+    rules.strength = cases[i].strength;
+    rules.fall_life = 0;
+    scree_frost* f = must_freeze(shards, &rules, cases[i].given, 1);
+    if (memcmp(f->states, cases[i].created, count) != 0) fail_msg("case %zu as created", i);
+    const scree_block* blocks;
+    const uint32_t* list;
+    for (uint32_t b = 0; b < scree_frost_blocks(f, &blocks, &list); ++b) assert_int_equal(blocks[b].path, 0);
+    assert_true(stats_of(f).start_volume > 0 && stats_of(f).paths == 0);
+    assert_int_equal(scree_frost_set_shard(f, cases[i].edited, cases[i].to), SCREE_OK);
+    if (memcmp(f->states, cases[i].after, count) != 0) fail_msg("case %zu as edited", i);
+    scree_frost_destroy(f);
+    scree_shards_destroy(shards);
+  }
+}
+
 static void a_pocket_is_exterior_when_it_is_opened(void** state) {
   (void)state;
   const uint32_t size[3] = {5, 5, 5};
@@ -190,6 +245,87 @@ static void check_derived(scree_frost* f) {
   free(weights);
 }
 
+static void compare_with_twin(const scree_frost* f, const frost_twin* twin) {
+  const scree_shards_view* v = &f->view;
+  assert_memory_equal(f->states, twin->states, v->shard_count);
+  assert_memory_equal(f->exterior, twin->exterior, v->link_count);
+  assert_memory_equal(f->lives, twin->lives, v->link_count * sizeof *f->lives);
+  assert_int_equal(f->stats.paths, twin->paths);
+  assert_int_equal(f->stats.detachments, twin->detachments);
+  const scree_block* blocks;
+  const uint32_t* list;
+  assert_int_equal(scree_frost_blocks(f, &blocks, &list), twin->block_count);
+  for (uint32_t b = 0; b < twin->block_count; ++b)
+    for (uint32_t i = 0; i < blocks[b].shard_count; ++i) assert_int_equal(twin->blocks[list[blocks[b].first_shard + i]], b + 1);
+}
+
+/* Shards that stand where the promise says that they cannot. */
+static uint32_t floating(const scree_frost* f) {
+  frost_twin* twin = frost_twin_create(f);
+  const uint32_t count = frost_twin_floating(twin);
+  frost_twin_destroy(twin);
+  return count;
+}
+
+/* Random states, edits, rules and steps: nothing solid without a path to what holds it, after each. */
+static void nothing_stands_without_a_path_to_what_holds_it(void** state) {
+  (void)state;
+  uint32_t fell_at_once = 0, fell_in_edits = 0, bodies = 0, overloaded = 0;
+  for (uint64_t round = 0; round < ROUNDS(300, 10); ++round) {
+    random_stream stream = {7000 + round};
+    uint32_t size[3];
+    for (int a = 0; a < 3; ++a) size[a] = 1 + (uint32_t)(random_unit(&stream) * 5);
+    scree_shards* shards = make_lattice(size, round, NULL);
+    const scree_shards_view* v = &shards->view;
+    scree_frost_rules rules;
+    random_frost_rules(&stream, &rules);
+    if (round % 3 != 0) rules.strength = round % 3 == 1 ? 1e12 : 1e4;
+    uint8_t states[125];
+    const double air = 0.5 * random_unit(&stream), core = round % 4 == 0 ? 0.1 : 0;
+    for (uint32_t s = 0; s < v->shard_count; ++s)
+      states[s] = random_unit(&stream) < air ? SCREE_SHARD_AIR : random_unit(&stream) < core ? SCREE_SHARD_CORE : SCREE_SHARD_SOLID;
+    scree_frost* f = must_freeze(shards, &rules, states, round);
+    fell_at_once += stats_of(f).detachments > 0;
+    assert_int_equal(floating(f), 0);
+    for (int i = 0; i < 20; ++i) {
+      const uint64_t falls = stats_of(f).detachments;
+      const uint32_t shard = (uint32_t)(random_unit(&stream) * v->shard_count);
+      const scree_shard_state to = (scree_shard_state)(random_bits(&stream) % (round % 4 == 0 ? 3 : 2)); /* core in some */
+      assert_int_equal(scree_frost_set_shard(f, shard, to), SCREE_OK);
+      fell_in_edits += stats_of(f).detachments > falls;
+      assert_int_equal(floating(f), 0);
+      check_derived(f);
+      if (v->interior_link_count > 0) {
+        const uint32_t link = (uint32_t)(random_unit(&stream) * v->interior_link_count);
+        (void)scree_frost_set_life(f, link, random_bits(&stream) % 2 == 0 ? 0 : 1); /* in air: refused */
+        assert_int_equal(floating(f), 0);
+      }
+      assert_int_equal(scree_frost_step(f, 1), SCREE_OK);
+      assert_int_equal(floating(f), 0);
+      bodies += f->apart;
+      if (i % 5 == 4) {
+        scree_frost_snapshot* snapshot;
+        assert_int_equal(scree_frost_save(f, &snapshot), SCREE_OK);
+        const uint64_t digest = scree_frost_digest(f);
+        assert_int_equal(scree_frost_step(f, 40), SCREE_OK);
+        const uint64_t later = scree_frost_digest(f);
+        assert_int_equal(floating(f), 0);
+        scree_frost_restore(f, snapshot);
+        assert_true(scree_frost_digest(f) == digest);
+        assert_int_equal(scree_frost_step(f, 40), SCREE_OK);
+        assert_true(scree_frost_digest(f) == later);
+        scree_frost_forget(f, snapshot);
+      }
+    }
+    overloaded += stats_of(f).overloaded > 0;
+    scree_frost_destroy(f);
+    scree_shards_destroy(shards);
+  }
+  assert_true(fell_at_once > ROUNDS(30, 10) && fell_in_edits > ROUNDS(100, 10));
+  assert_true(fell_at_once > ROUNDS(20, 10) && fell_in_edits > ROUNDS(200, 10));
+  assert_true(bodies > ROUNDS(30, 10) && overloaded > ROUNDS(20, 10)); /* `apart`, broken by weight */
+}
+
 static void steps_after_edits_are_the_twins(void** state) {
   (void)state;
   for (uint64_t round = 0; round < ROUNDS(60, 10); ++round) {
@@ -201,29 +337,39 @@ static void steps_after_edits_are_the_twins(void** state) {
     random_frost_rules(&stream, &rules);
     uint8_t states[512];
     random_frost_states(&stream, v->shard_count, states);
+    if (round % 3 == 1) rules.strength = 1e12; /* by which nothing breaks, but what rests does not fall */
     scree_frost* f = must_freeze(shards, &rules, states, round);
+    frost_twin* twin = frost_twin_start(f, states);
+    compare_with_twin(f, twin);
     for (int i = 0; i < 30; ++i) {
       const uint32_t shard = (uint32_t)(random_unit(&stream) * v->shard_count);
       const uint32_t link = (uint32_t)(random_unit(&stream) * v->interior_link_count);
-      if (i % 3 == 0) assert_int_equal(scree_frost_set_shard(f, shard, (scree_shard_state)(random_bits(&stream) % 3)), SCREE_OK);
-      if (i % 3 == 1 && f->lives[link] > 0) assert_int_equal(scree_frost_set_life(f, link, random_unit(&stream)), SCREE_OK);
+      const uint32_t* sides = v->links[link].shards;
+      if (i % 3 == 0) {
+        const scree_shard_state to = (scree_shard_state)(random_bits(&stream) % 3);
+        assert_int_equal(scree_frost_set_shard(f, shard, to), SCREE_OK);
+        frost_twin_set_shard(twin, shard, to);
+      }
+      if (i % 3 == 1 && frost_stands(f, sides[0]) && frost_stands(f, sides[1])) { /* broken ones are mended */
+        const double life = random_bits(&stream) % 3 == 0 ? 0 : random_unit(&stream);
+        assert_int_equal(scree_frost_set_life(f, link, life), SCREE_OK);
+        frost_twin_set_life(twin, link, life);
+      }
       if (i % 3 == 2) {
         random_frost_rules(&stream, &rules);
+        rules.strength = random_bits(&stream) % 2 == 0 ? 0 : 1e12;
         assert_int_equal(scree_frost_set_rules(f, &rules, NULL), SCREE_OK);
+        assert_int_equal(scree_frost_step(f, 0), SCREE_OK); /* what these do not hold falls */
+        frost_twin_settle(twin);
       }
+      compare_with_twin(f, twin);
       for (uint32_t l = 0; l < v->interior_link_count; ++l)
         if (f->lives[l] > 0) assert_true(frost_stands(f, v->links[l].shards[0]) && frost_stands(f, v->links[l].shards[1]));
       check_derived(f);
-      frost_twin* twin = frost_twin_create(f);
-      frost_twin_exterior(twin, twin->exterior);
-      assert_memory_equal(f->exterior, twin->exterior, v->link_count);
       for (int k = 0; k < 20; ++k)
         if (!frost_twin_path(twin, false)) break;
       assert_int_equal(scree_frost_step(f, 20), SCREE_OK);
-      assert_memory_equal(f->states, twin->states, v->shard_count);
-      assert_memory_equal(f->exterior, twin->exterior, v->link_count);
-      assert_memory_equal(f->lives, twin->lives, v->link_count * sizeof *f->lives);
-      assert_int_equal(f->stats.paths, twin->paths);
+      compare_with_twin(f, twin);
       check_derived(f);
       const scree_block* blocks;
       const uint32_t* list;
@@ -238,8 +384,8 @@ static void steps_after_edits_are_the_twins(void** state) {
         }
       }
       assert_int_equal(f->block_shard_count, fallen);
-      frost_twin_destroy(twin);
     }
+    frost_twin_destroy(twin);
     scree_frost_destroy(f);
     scree_shards_destroy(shards);
   }
@@ -709,8 +855,10 @@ int main(void) {
       cmocka_unit_test(of_two_parts_the_smaller_falls_unless_it_has_core),
       cmocka_unit_test(with_stability_what_rests_stays),
       cmocka_unit_test(what_an_edit_leaves_hanging_falls),
+      cmocka_unit_test(what_nothing_holds_falls_at_once),
       cmocka_unit_test(a_pocket_is_exterior_when_it_is_opened),
       cmocka_unit_test(steps_after_edits_are_the_twins),
+      cmocka_unit_test(nothing_stands_without_a_path_to_what_holds_it),
       cmocka_unit_test(a_group_falls_in_blocks_by_the_life_of_its_links),
       cmocka_unit_test(snapshots_come_back_exactly),
       cmocka_unit_test(nothing_falls_where_all_is_core),

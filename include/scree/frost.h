@@ -7,8 +7,15 @@
  * with a probability in proportion to max(gravity . (x_j - x_i) / |x_j - x_i|, 0) * (1 - life_j * resistance_j), and each link
  * takes water and, while it lives, damage. A link whose life is used up is broken, and where that leaves two parts that no unbroken
  * links join, one falls and is air: the one without core shards where the other has some, else the one of fewer shards, and of
- * equal ones that of the link's second shard; none where both have core. What stands apart from the start stays so. With stability
- * on (strength > 0), and as long as no shard is core, supported shards count as core here, so that what rests does not fall.
+ * equal ones that of the link's second shard; none where both have core. With stability on (strength > 0), and as long as no shard
+ * is core, supported shards count as core here, so that what rests does not fall.
+ *
+ * Nothing floats: when a simulation is created, after each edit, and with the first step after other rules, every component of what
+ * stands (shards that unbroken links join) that has no core falls where some have core, or what counts as core. Where none has, all
+ * fall but the largest by number of shards, of equal ones that with the lowest shard, and those that rest on the lowest place, as
+ * supported shards do: bodies that lie on the ground side by side all stand, until breaks between their own shards part them as
+ * above. They fall as blocks of the path that was last, 0 at creation, by their lowest shards. What was the largest and rests
+ * nowhere falls, too, once another is larger.
  *
  * Where the paper leaves it open: water runs over broken links as long as they have rock on one side, and these absorb as air;
  * what the random event of total absorption takes harms no link; a breakage is dealt with before water goes on; air joins the
@@ -112,7 +119,7 @@ typedef struct scree_frost_desc {
 SCREE_API scree_result scree_frost_create(const scree_frost_desc* desc, scree_frost** out, scree_error* error);
 SCREE_API void scree_frost_destroy(scree_frost* frost); /* NULL is allowed */
 
-/* Other rules from the next path on; lives stay. On an error nothing changes. */
+/* Other rules from the next path or edit on, before which falls what they do not hold; lives stay. On an error nothing changes. */
 SCREE_API scree_result scree_frost_set_rules(scree_frost* frost, const scree_frost_rules* rules, scree_error* error);
 
 /* `count` paths, fewer when no link takes water any more (nothing stands, no rain, or none that meets a face): a sane end, told by
@@ -126,7 +133,9 @@ SCREE_API scree_result scree_frost_run(scree_frost* frost, double share, uint64_
 
 /* Edits between steps. A shard made air is gone, not fallen; of the parts that it leaves, those without core fall where others have
  * some, else all but the one of most shards, of equal ones that with the lowest. Air made solid or core stands again, out of the
- * block that it fell in, with the links it has to what stands whole again. Returns SCREE_OK or INVALID_ARGUMENT. */
+ * block that it fell in, with the links it has to what stands whole again; where it
+ * does not hang together with what holds, it falls at once: build from the core, and give several bodies their core at creation,
+ * for with the first core what has none falls. Returns SCREE_OK or INVALID_ARGUMENT. */
 SCREE_API scree_result scree_frost_set_shard(scree_frost* frost, uint32_t shard, scree_shard_state state);
 /* life: 0..1 of an interior link; 0 breaks it as water would, more needs rock on both sides. Returns as above. */
 SCREE_API scree_result scree_frost_set_life(scree_frost* frost, uint32_t link, double life);
@@ -139,7 +148,7 @@ typedef struct scree_frost_stats {
   uint32_t solid, core, air;   /* shards */
   uint32_t blocks;             /* fallen and kept */
   uint32_t exterior_links;
-  double start_volume, volume;      /* solid and core */
+  double start_volume, volume;      /* solid and core; the former as given, before what nothing holds fell */
   double poured, absorbed, drained; /* water: poured = absorbed + drained (left over at the ends of paths), to rounding */
   bool dry;                         /* the last step found no link that takes water */
   size_t memory;                    /* bytes held, snapshots apart */
@@ -175,7 +184,8 @@ SCREE_API uint32_t scree_frost_last_path(const scree_frost* frost, uint32_t* lin
  */
 SCREE_API uint32_t scree_frost_check_stability(const scree_frost* frost);
 
-/* A copy of the state to come back to, the random stream included; rules are not part of it. Destroy snapshots before the
+/* A copy of the state to come back to, the random stream included; rules are not part of it: under
+ * other ones, what they do not hold falls with the next step or edit. Destroy snapshots before the
  * simulation. */
 typedef struct scree_frost_snapshot scree_frost_snapshot;
 SCREE_API scree_result scree_frost_save(const scree_frost* frost, scree_frost_snapshot** out);
