@@ -489,6 +489,178 @@ static void concave_solids_become_shards(void** state) {
   }
 }
 
+/* --- Shards of meshes, through what users call. --- */
+
+static void area_vector_of(const scree_shards_view* v, const scree_polygon* polygon, double out[3]) {
+  const uint32_t* corners = v->corners + polygon->first_corner;
+  const double* from = v->vertices + 3 * (size_t)corners[0];
+  for (int a = 0; a < 3; ++a) out[a] = 0;
+  for (uint32_t k = 1; k + 1 < polygon->corner_count; ++k) {
+    const double *b = v->vertices + 3 * (size_t)corners[k], *c = v->vertices + 3 * (size_t)corners[k + 1];
+    for (int a = 0; a < 3; ++a) {
+      const int i = (a + 1) % 3, j = (a + 2) % 3;
+      out[a] += ((b[i] - from[i]) * (c[j] - from[j]) - (b[j] - from[j]) * (c[i] - from[i])) / 2;
+    }
+  }
+}
+
+/* Six times the volume between the middle of the solid and a polygon. */
+static double volume_under(const scree_shards_view* v, const scree_polygon* polygon) {
+  const uint32_t* corners = v->corners + polygon->first_corner;
+  double p[3][3], sum = 0;
+  for (uint32_t k = 1; k + 1 < polygon->corner_count; ++k) {
+    const uint32_t of[3] = {corners[0], corners[k], corners[k + 1]};
+    for (size_t i = 0; i < 3; ++i)
+      for (size_t a = 0; a < 3; ++a) p[i][a] = v->vertices[3 * (size_t)of[i] + a] - (v->min[a] + v->max[a]) / 2;
+    sum += p[0][0] * (p[1][1] * p[2][2] - p[1][2] * p[2][1]) + p[0][1] * (p[1][2] * p[2][0] - p[1][0] * p[2][2]) +
+           p[0][2] * (p[1][0] * p[2][1] - p[1][1] * p[2][0]);
+  }
+  return sum;
+}
+
+/* An edge of a polygon as a shard sees it: its ends, the lower first, and which way it goes. */
+typedef struct shard_edge {
+  uint32_t ends[2];
+  int way;
+} shard_edge;
+
+static int edges_by_ends(const void* a, const void* b) {
+  const shard_edge *x = a, *y = b;
+  if (x->ends[0] != y->ends[0]) return x->ends[0] < y->ends[0] ? -1 : 1;
+  return x->ends[1] < y->ends[1] ? -1 : x->ends[1] > y->ends[1];
+}
+
+static uint32_t add_edges(const scree_shards_view* v, const scree_polygon* polygon, int side, shard_edge* edges) {
+  const uint32_t* corners = v->corners + polygon->first_corner;
+  for (uint32_t k = 0; k < polygon->corner_count; ++k) {
+    const uint32_t from = corners[k], to = corners[(k + 1) % polygon->corner_count];
+    edges[k] = from < to ? (shard_edge){{from, to}, side} : (shard_edge){{to, from}, -side};
+  }
+  return polygon->corner_count;
+}
+
+/* Every edge is walked as often one way as the other: so the shard's surface has no gap, and no polygon of a link is missing on
+ * either side of it. */
+static uint32_t open_edges(shard_edge* edges, uint32_t count) {
+  uint32_t open = 0;
+  qsort(edges, count, sizeof *edges, edges_by_ends);
+  for (uint32_t k = 0; k < count;) {
+    const shard_edge* first = &edges[k];
+    int sum = 0;
+    for (; k < count && edges_by_ends(first, &edges[k]) == 0; ++k) sum += edges[k].way;
+    open += sum != 0;
+  }
+  return open;
+}
+
+/* What the polygons of each shard's links say: that it is closed, and how large. */
+static void check_each_shard(const scree_shards_view* v, double whole, const char* name) {
+  uint8_t* times = calloc(v->link_count, 1); /* that a link was met */
+  shard_edge* edges = malloc(v->corner_count * sizeof *edges);
+  assert_non_null(times);
+  assert_non_null(edges);
+  double sum = 0;
+  for (uint32_t s = 0; s < v->shard_count; ++s) {
+    const scree_shard* shard = &v->shards[s];
+    double vectors[3] = {0}, area = 0, volume = 0;
+    uint32_t edge_count = 0;
+    for (uint32_t k = 0; k < shard->link_count; ++k) {
+      const uint32_t at = v->shard_links[shard->first_link + k];
+      const scree_link* link = &v->links[at];
+      assert_true(link->shards[0] == s || link->shards[1] == s);
+      const double sign = link->shards[0] == s ? 1 : -1; /* the other side has the same polygons, the other way around */
+      ++times[at];
+      double of_link = 0;
+      for (uint32_t p = link->first_polygon; p < link->first_polygon + link->polygon_count; ++p) {
+        double vector[3];
+        area_vector_of(v, &v->polygons[p], vector);
+        for (int a = 0; a < 3; ++a) vectors[a] += sign * vector[a];
+        of_link += sqrt(vector[0] * vector[0] + vector[1] * vector[1] + vector[2] * vector[2]);
+        volume += sign * volume_under(v, &v->polygons[p]) / 6;
+        edge_count += add_edges(v, &v->polygons[p], sign > 0 ? 1 : -1, edges + edge_count);
+      }
+      if (!(fabs(of_link - link->area) <= 1e-9 * of_link))
+        fail_msg("%s: link %u has %g, its polygons %g", name, at, link->area, of_link);
+      area += of_link;
+    }
+    const double off = sqrt(vectors[0] * vectors[0] + vectors[1] * vectors[1] + vectors[2] * vectors[2]);
+    if (!(off <= 1e-9 * area)) fail_msg("%s: shard %u is open by %g of its area", name, s, off / area);
+    const uint32_t open = open_edges(edges, edge_count);
+    if (open > 0) fail_msg("%s: shard %u has %u open edges", name, s, open);
+    if (!(volume >= -1e-12 * whole && shard->volume >= 0)) fail_msg("%s: shard %u has a volume of %g", name, s, shard->volume);
+    if (!(fabs(volume - shard->volume) <= 1e-9 * whole))
+      fail_msg("%s: shard %u has a volume of %.12g, its polygons %.12g", name, s, shard->volume, volume);
+    sum += shard->volume;
+  }
+  for (uint32_t l = 0; l < v->link_count; ++l) assert_int_equal(times[l], l < v->interior_link_count ? 2 : 1);
+  if (!(fabs(sum - whole) <= 1e-9 * whole)) fail_msg("%s: volumes are %.12g, the mesh's %.12g", name, sum, whole);
+  free(edges);
+  free(times);
+}
+
+/* Each link is between two shards, as both list it, and its corners are as far from one seed as from the other. */
+static void check_links(const scree_shards_view* v, const double* seeds, const char* name) {
+  double extent2 = 0;
+  for (int a = 0; a < 3; ++a) extent2 += (v->max[a] - v->min[a]) * (v->max[a] - v->min[a]);
+  for (uint32_t l = 0; l < v->link_count; ++l) {
+    const scree_link* link = &v->links[l];
+    if (l >= v->interior_link_count) {
+      assert_true(link->shards[0] < v->shard_count && link->shards[1] == SCREE_NO_SHARD);
+      continue;
+    }
+    assert_true(link->shards[0] < link->shards[1] && link->shards[1] < v->shard_count);
+    const double *a = seeds + 3 * (size_t)v->shards[link->shards[0]].seed, *b = seeds + 3 * (size_t)v->shards[link->shards[1]].seed;
+    assert_true(a != b); /* parts of one cell do not touch */
+    for (uint32_t p = link->first_polygon; p < link->first_polygon + link->polygon_count; ++p)
+      for (uint32_t c = 0; c < v->polygons[p].corner_count && v->attempts == 0; ++c) {
+        const double* at = v->vertices + 3 * (size_t)v->corners[v->polygons[p].first_corner + c];
+        double off = 0; /* of the squares of the distances */
+        for (int i = 0; i < 3; ++i) off += (at[i] - a[i]) * (at[i] - a[i]) - (at[i] - b[i]) * (at[i] - b[i]);
+        if (!(fabs(off) <= 1e-9 * extent2)) fail_msg("%s: a corner of link %u is off by %g", name, l, off / extent2);
+      }
+  }
+}
+
+/* 30 sets of 20 to 600 seeds. */
+static void split_randomly(const solid_mesh* mesh, const char* what) {
+  enum { SETS = ROUNDS(30, 15) };
+  uint32_t moved = 0;
+  for (uint32_t round = 0; round < SETS; ++round) {
+    const uint32_t count = 20 + 580 * round / (SETS - 1);
+    double* seeds = random_seeds(mesh, count, 4000 + round);
+    scree_shards* shards = shards_of(mesh, seeds, count, SCREE_CLIP_AUTO);
+    scree_shards_view view;
+    scree_shards_get(shards, &view);
+    assert_int_equal(view.clip, SCREE_CLIP_MESH);
+    moved += view.attempts > 0;
+    const shard_input input = input_of(mesh, seeds, count);
+    char name[64];
+    snprintf(name, sizeof name, "%s, set %u, %u seeds", what, round, count);
+    check_each_shard(&view, input_volume(&input), name);
+    check_links(&view, seeds, name);
+    scree_shards_destroy(shards);
+    free(seeds);
+  }
+  if (moved > SETS / 3) fail_msg("%s: seeds of %u sets were moved", what, moved);
+}
+
+static void every_shard_of_meshes_is_closed_over_30_sets_of_seeds(void** state) {
+  (void)state;
+  for (size_t k = 0; k < sizeof mesh_names / sizeof *mesh_names; ++k) {
+    solid_mesh mesh;
+    if (!read_mesh(mesh_names[k], &mesh)) continue;
+    split_randomly(&mesh, mesh_names[k]);
+    solid_mesh_free(&mesh);
+  }
+}
+
+static void every_shard_of_a_goblin_is_closed_over_30_sets_of_seeds(void** state) {
+  (void)state;
+  solid_mesh mesh = solid_goblin(48, 120);
+  split_randomly(&mesh, "goblin");
+  solid_mesh_free(&mesh);
+}
+
 /* Cells are made within a box around the surface that they have and their nearest neighbours. Here the surface is a bubble, the
  * neighbours are a cluster on one side, and the cell reaches far away on the other: the box has to grow. */
 static void cells_reach_far_beyond_the_little_surface_that_they_have(void** state) {
@@ -569,6 +741,8 @@ int main(int argc, char** argv) {
       cmocka_unit_test(a_goblin_is_cut),
       cmocka_unit_test(walls_and_mesh_give_the_same_shards_of_a_box),
       cmocka_unit_test(concave_solids_become_shards),
+      cmocka_unit_test(every_shard_of_meshes_is_closed_over_30_sets_of_seeds),
+      cmocka_unit_test(every_shard_of_a_goblin_is_closed_over_30_sets_of_seeds),
       cmocka_unit_test(shards_of_crossing_surfaces_are_refused_with_a_reason),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
