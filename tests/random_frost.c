@@ -1,5 +1,6 @@
 #include "random_frost.h"
 
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -12,7 +13,18 @@ static uint32_t draw(random_stream* stream, uint32_t count) {
   return (uint32_t)(random_unit(stream) * count);
 }
 
+/* Beds of unlike hardness, some places of them no number. */
+static void by_place(void* user, const double* places, double* resistance, uint32_t count) {
+  (void)user;
+  for (uint32_t i = 0; i < count; ++i) {
+    const double *at = places + 3 * (size_t)i, sum = at[0] + 2 * at[1] + 3 * at[2];
+    resistance[i] = sum > 9 ? NAN : sum - floor(sum);
+  }
+}
+
 void random_frost_rules(random_stream* stream, scree_frost_rules* out) {
+  static const uint8_t images[3 * 4 * 2] = {0,  255, 30, 200, 90, 10, 250, 60, 120, 77, 3,   140,
+                                            40, 20,  80, 160, 5,  99, 201, 13, 255, 0,  128, 64};
   static const double layers[8] = {0, 0.2, 1.5, 0.9, 1.5, 0.1, 4, 1};
   scree_frost_rules_default(out);
   out->rain_count = 1 + draw(stream, SCREE_FROST_RAINS);
@@ -26,8 +38,14 @@ void random_frost_rules(random_stream* stream, scree_frost_rules* out) {
   if (draw(stream, 3) == 0) random_direction(stream, out->gravity);
   out->water = 0.5 + random_unit(stream);
   scree_resistance* r = &out->resistance;
-  static const scree_resistance_kind kinds[3] = {SCREE_RESISTANCE_CONSTANT, SCREE_RESISTANCE_NOISE, SCREE_RESISTANCE_LAYERS};
-  r->kind = kinds[draw(stream, 3)];
+  r->kind = (scree_resistance_kind)draw(stream, SCREE_RESISTANCE_IMAGES + 1);
+  r->function = by_place;
+  r->images = images;
+  r->size[0] = 3;
+  r->size[1] = 4;
+  r->size[2] = 2;
+  if (draw(stream, 2) == 0)
+    for (int a = 0; a < 3; ++a) r->max[a] = 4; /* else the shards' box */
   r->value = draw(stream, 5) == 0 ? 1 : random_unit(stream);
   r->amplitude = random_unit(stream);
   r->period = 0.5 + 3 * random_unit(stream);

@@ -4,7 +4,7 @@
 
 #include "frost_internal.h"
 
-/* Rules that lead to falls within some hundred paths on a few dozen shards; all kinds of resistance but FUNCTION and IMAGES. */
+/* Rules that lead to falls within some hundred paths on a few dozen shards, and all kinds of resistance. */
 void random_frost_rules(random_stream* stream, scree_frost_rules* out);
 
 /* States for so many shards: mostly solid, in some rounds with core, in some with air. */
