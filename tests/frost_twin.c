@@ -14,6 +14,29 @@ static bool stands(const frost_twin* t, uint32_t shard) {
   return t->states[shard] != SCREE_SHARD_AIR;
 }
 
+/* Unit. Rules may have changed since the last time. */
+static void gravity_of(const frost_twin* t, double out[3]) {
+  const double* g = t->like->rules.gravity;
+  const double most = fmax(fmax(fabs(g[0]), fabs(g[1])), fabs(g[2]));
+  for (int a = 0; a < 3; ++a) out[a] = g[a] / most;
+  const double length = sqrt(out[0] * out[0] + out[1] * out[1] + out[2] * out[2]);
+  for (int a = 0; a < 3; ++a) out[a] /= length;
+}
+
+/* Over the faces of all shards, so that an interior link counts twice; and over all links. */
+static void find_areas(frost_twin* t) {
+  const scree_shards_view* v = &t->like->view;
+  double sum = 0, all = 0, faces = 0;
+  for (uint32_t l = 0; l < v->link_count; ++l) {
+    const double sides = v->links[l].shards[1] == SCREE_NO_SHARD ? 1 : 2;
+    sum += sides * v->links[l].area;
+    all += v->links[l].area;
+    faces += sides;
+  }
+  t->mean_area = sum / faces;
+  t->scale = 0x1p51 / all;
+}
+
 frost_twin* frost_twin_create(const scree_frost* like) {
   const size_t shards = like->view.shard_count, links = like->view.link_count;
   frost_twin* t = must(calloc(1, sizeof *t));
@@ -35,6 +58,7 @@ frost_twin* frost_twin_create(const scree_frost* like) {
   t->block_count = scree_frost_blocks(like, &blocks, &list);
   for (uint32_t b = 0; b < t->block_count; ++b)
     for (uint32_t i = 0; i < blocks[b].shard_count; ++i) t->blocks[list[blocks[b].first_shard + i]] = b + 1;
+  find_areas(t);
   t->paths = like->stats.paths;
   t->breaks = like->stats.breaks;
   t->forced = like->stats.forced;
@@ -168,28 +192,29 @@ static void fall(frost_twin* t, uint32_t falling, bool walk) {
   for (uint32_t l = 0; walk && l < v->link_count; ++l) t->walk_differs += t->walked[l] != t->exterior[l];
 }
 
-/* Whether the shard reaches down to the lowest place there is. */
-static bool reaches_down(const frost_twin* t, uint32_t shard) {
+/* Which shards reach down to the lowest place there is. */
+static void find_down(frost_twin* t) {
   const scree_shards_view* v = &t->like->view;
-  const double* g = t->like->tables.gravity;
-  double low[2] = {-INFINITY, -INFINITY}, high = INFINITY; /* of all, and of this one */
+  double g[3], lowest = -INFINITY, highest = INFINITY;
+  gravity_of(t, g);
+  if (g[0] == t->down_gravity[0] && g[1] == t->down_gravity[1] && g[2] == t->down_gravity[2]) return;
+  memcpy(t->down_gravity, g, sizeof t->down_gravity);
+  double* low = must(malloc(v->shard_count * sizeof *low));
+  for (uint32_t s = 0; s < v->shard_count; ++s) low[s] = -INFINITY;
   for (uint32_t l = 0; l < v->link_count; ++l)
     for (uint32_t p = v->links[l].first_polygon; p < v->links[l].first_polygon + v->links[l].polygon_count; ++p)
       for (uint32_t c = 0; c < v->polygons[p].corner_count; ++c) {
         const double* at = v->vertices + 3 * (size_t)v->corners[v->polygons[p].first_corner + c];
         const double along = g[0] * at[0] + g[1] * at[1] + g[2] * at[2];
-        low[0] = fmax(low[0], along);
-        high = fmin(high, along);
-        if (v->links[l].shards[0] == shard || v->links[l].shards[1] == shard) low[1] = fmax(low[1], along);
+        lowest = fmax(lowest, along);
+        highest = fmin(highest, along);
+        for (int side = 0; side < 2; ++side) {
+          const uint32_t s = v->links[l].shards[side];
+          if (s != SCREE_NO_SHARD) low[s] = fmax(low[s], along);
+        }
       }
-  return low[0] - low[1] <= 1e-6 * (low[0] - high);
-}
-
-static void find_down(frost_twin* t) {
-  const double* g = t->like->tables.gravity;
-  if (g[0] == t->down_gravity[0] && g[1] == t->down_gravity[1] && g[2] == t->down_gravity[2]) return;
-  memcpy(t->down_gravity, g, sizeof t->down_gravity);
-  for (uint32_t s = 0; s < t->like->view.shard_count; ++s) t->down[s] = reaches_down(t, s);
+  for (uint32_t s = 0; s < v->shard_count; ++s) t->down[s] = lowest - low[s] <= 1e-6 * (lowest - highest);
+  free(low);
 }
 
 static bool any_core(const frost_twin* t) {
@@ -260,14 +285,19 @@ uint32_t frost_twin_floating(frost_twin* t) {
   return floating;
 }
 
-void frost_twin_settle(frost_twin* t) {
+/* Of components that are labelled, drops those that nothing holds. */
+static void settle(frost_twin* t) {
   uint32_t largest;
   bool any_holds;
-  label_all(t);
   component* all = weigh_components(t, &largest, &any_holds);
   for (uint32_t i = 1; i <= t->like->view.shard_count; ++i)
     if (all[i].size > 0 && (any_holds ? !all[i].holds : !all[i].down && i != largest)) drop(t, i);
   free(all);
+}
+
+void frost_twin_settle(frost_twin* t) {
+  label_all(t);
+  settle(t);
 }
 
 static void break_link(frost_twin* t, uint32_t link) {
@@ -292,7 +322,7 @@ static void break_link(frost_twin* t, uint32_t link) {
   if (cores[0] > 0) loser = 1;
   if (cores[1] > 0) loser = 0;
   drop(t, labels[loser]);
-  frost_twin_settle(t);
+  settle(t);
 }
 
 /* --- edits ------------------------------------------------------------------------------------------------------------------- */
@@ -367,17 +397,38 @@ void frost_twin_set_life(frost_twin* t, uint32_t link, double life) {
 
 /* --- 5.1: where water goes --------------------------------------------------------------------------------------------------- */
 
+/* normal . direction, the normal out of the rock of an exterior link. */
+static double facing(const frost_twin* t, const scree_link* link, const double direction[3]) {
+  const double sign = stands(t, link->shards[0]) ? 1 : -1;
+  double sum = 0;
+  for (int a = 0; a < 3; ++a) sum += link->normal[a] * direction[a];
+  return sign * sum;
+}
+
+/* What a link is proposed by, before a direction is known: its area and the best cosine that the cone of the rain has for it, that
+ * of the angle to the axis less the spread; 1e-12 more than the error of cosines. */
+static uint64_t weight(const frost_twin* t, const frost_rain* rain, const scree_link* link) {
+  const double cosine = facing(t, link, rain->axis), sine2 = 1 - cosine * cosine, sine = sqrt(sine2 > 0 ? sine2 : 0);
+  const double best = cosine < rain->cosine ? cosine * rain->cosine + sine * rain->sine : 1;
+  return best + 1e-12 > 2e-12 ? (uint64_t)ceil(t->scale * link->area * (best + 1e-12)) : 0;
+}
+
+/* area * max(normal . rain, 0). */
+static double share(const frost_twin* t, const scree_link* link, const double direction[3]) {
+  const double cosine = facing(t, link, direction);
+  return cosine > 0 ? t->scale * link->area * cosine : 0;
+}
+
 static uint64_t total_weight(const frost_twin* t, const frost_rain* rain) {
   const scree_shards_view* v = &t->like->view;
   uint64_t total = 0;
   for (uint32_t l = 0; l < v->link_count; ++l)
-    if (t->exterior[l] != 0) total += frost_weight(rain, &v->links[l], stands(t, v->links[l].shards[0]), t->like->weight_scale);
+    if (t->exterior[l] != 0) total += weight(t, rain, &v->links[l]);
   return total;
 }
 
 static bool draw_start(frost_twin* t, uint32_t* out) {
   const scree_shards_view* v = &t->like->view;
-  const double scale = t->like->weight_scale;
   uint64_t totals[SCREE_FROST_RAINS];
   double sum = 0;
   uint32_t wet = 0, chosen = 0;
@@ -406,13 +457,12 @@ static bool draw_start(frost_twin* t, uint32_t* out) {
     for (int i = 0; i < FROST_PROPOSALS; ++i) {
       uint64_t place = frost_draw_below(&t->stream, totals[r]);
       for (uint32_t l = 0; l < v->link_count; ++l) {
-        const bool first = stands(t, v->links[l].shards[0]);
-        const uint64_t weight = t->exterior[l] != 0 ? frost_weight(rain, &v->links[l], first, scale) : 0;
-        if (place >= weight) {
-          place -= weight;
+        const uint64_t here = t->exterior[l] != 0 ? weight(t, rain, &v->links[l]) : 0;
+        if (place >= here) {
+          place -= here;
           continue;
         }
-        if (random_unit(&t->stream) * (double)weight < frost_share(&v->links[l], first, direction, scale)) {
+        if (random_unit(&t->stream) * (double)here < share(t, &v->links[l], direction)) {
           *out = l;
           return true;
         }
@@ -421,17 +471,17 @@ static bool draw_start(frost_twin* t, uint32_t* out) {
     }
     uint64_t total = 0;
     for (uint32_t l = 0; l < v->link_count; ++l)
-      if (t->exterior[l] != 0) total += (uint64_t)frost_share(&v->links[l], stands(t, v->links[l].shards[0]), direction, scale);
+      if (t->exterior[l] != 0) total += (uint64_t)share(t, &v->links[l], direction);
     if (total == 0) continue;
     uint64_t place = frost_draw_below(&t->stream, total);
     for (uint32_t l = 0; l < v->link_count; ++l) {
       if (t->exterior[l] == 0) continue;
-      const uint64_t share = (uint64_t)frost_share(&v->links[l], stands(t, v->links[l].shards[0]), direction, scale);
-      if (place < share) {
+      const uint64_t here = (uint64_t)share(t, &v->links[l], direction);
+      if (place < here) {
         *out = l;
         return true;
       }
-      place -= share;
+      place -= here;
     }
   }
   return false;
@@ -442,7 +492,7 @@ static double f_r(const frost_twin* t, uint32_t link) {
 }
 
 static double f_g(const frost_twin* t, uint32_t from, uint32_t to) {
-  const double *g = t->like->tables.gravity, *x = t->like->view.links[from].centroid, *y = t->like->view.links[to].centroid;
+  const double *g = t->gravity, *x = t->like->view.links[from].centroid, *y = t->like->view.links[to].centroid;
   const double down = (g[0] * y[0] + g[1] * y[1] + g[2] * y[2]) - (g[0] * x[0] + g[1] * x[1] + g[2] * x[2]);
   const double d[3] = {y[0] - x[0], y[1] - x[1], y[2] - x[2]};
   return down > 0 ? down / sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) : 0;
@@ -463,11 +513,11 @@ static bool draw_way(frost_twin* t, uint32_t* link) {
   if (!(sum > 0)) return false;
   double left = random_unit(&t->stream) * sum;
   for (uint32_t k = v->neighbour_first[from]; k < v->neighbour_first[from + 1]; ++k) {
-    const double share = flow(t, from, v->neighbours[k]);
-    if (share == 0) continue;
+    const double here = flow(t, from, v->neighbours[k]);
+    if (here == 0) continue;
     *link = v->neighbours[k];
-    if (left < share) return true;
-    left -= share;
+    if (left < here) return true;
+    left -= here;
   }
   return true;
 }
@@ -476,15 +526,16 @@ static bool draw_way(frost_twin* t, uint32_t* link) {
 
 static double w_abs(const frost_twin* t, uint32_t link) {
   const scree_frost_rules* rules = &t->like->rules;
-  const double a = t->like->view.links[link].area, mean = t->like->view.mean_link_area;
+  const double a = t->like->view.links[link].area, mean = t->mean_area;
   const double k_solid = rules->solid_absorption / mean, k_air = rules->air_absorption / mean;
   return t->lives[link] > 0 ? a * k_solid + f_r(t, link) * rules->resistance_absorption : a * k_air;
 }
 
 bool frost_twin_path(frost_twin* t, bool walk) {
   t->walk = walk;
+  gravity_of(t, t->gravity);
   const scree_frost_rules* rules = &t->like->rules;
-  const double k_dmg = rules->damage * t->like->view.mean_link_area;
+  const double k_dmg = rules->damage * t->mean_area;
   uint32_t link;
   if (!draw_start(t, &link)) return false;
   double water = rules->water;

@@ -6,7 +6,9 @@
 #include "frost_internal.h"
 
 typedef struct frost_twin {
-  const scree_frost* like; /* for the view, the rules, rains and resistances alone */
+  const scree_frost* like; /* for the view, the rules, the rains' frames and resistances alone */
+  double mean_area, scale; /* a bar of the paper; areas to integer weights */
+  double gravity[3];       /* unit, of the rules of the last path */
   bool walk;               /* see frost_twin_path */
   random_stream stream;
   uint8_t *states, *exterior, *walked;
