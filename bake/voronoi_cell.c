@@ -19,6 +19,7 @@ typedef struct near_seed {
 /* An edge of the hole that a plane leaves: from plane a to plane b, kept corner `beyond` on its other side. */
 typedef struct hole_edge {
   uint32_t a, b, beyond;
+  double position[3]; /* where both planes meet the new one */
 } hole_edge;
 
 /* --- memory ----------------------------------------------------------------------------------------------------------------- */
@@ -153,6 +154,62 @@ static bool meet(const voronoi_plane* a, const voronoi_plane* b, const voronoi_p
   return true;
 }
 
+#ifdef __SSE2__
+typedef struct vector_pair {
+  __m128d x, y, z;
+} vector_pair;
+
+static vector_pair pair_of(const double a[3], const double b[3]) {
+  return (vector_pair){_mm_set_pd(b[0], a[0]), _mm_set_pd(b[1], a[1]), _mm_set_pd(b[2], a[2])};
+}
+
+static __m128d minus(__m128d a, __m128d b, __m128d c, __m128d d) {
+  return _mm_sub_pd(_mm_mul_pd(a, b), _mm_mul_pd(c, d));
+}
+
+static vector_pair crossed(const vector_pair* a, const vector_pair* b) {
+  return (vector_pair){minus(a->y, b->z, a->z, b->y), minus(a->z, b->x, a->x, b->z), minus(a->x, b->y, a->y, b->x)};
+}
+
+static __m128d weighed(__m128d da, __m128d bc, __m128d db, __m128d ca, __m128d dc, __m128d ab, __m128d inverse) {
+  const __m128d sum = _mm_add_pd(_mm_add_pd(_mm_mul_pd(da, bc), _mm_mul_pd(db, ca)), _mm_mul_pd(dc, ab));
+  return _mm_mul_pd(sum, inverse);
+}
+
+/* Two at once, each as `meet` has it, to the bit. */
+static bool meet_two(const voronoi_plane* planes, hole_edge* p, hole_edge* q, const voronoi_plane* plane) {
+  const voronoi_plane *a0 = planes + p->a, *a1 = planes + q->a, *b0 = planes + p->b, *b1 = planes + q->b;
+  const vector_pair a = pair_of(a0->normal, a1->normal), b = pair_of(b0->normal, b1->normal),
+                    c = pair_of(plane->normal, plane->normal);
+  const vector_pair bc = crossed(&b, &c), ca = crossed(&c, &a), ab = crossed(&a, &b);
+  const __m128d det = _mm_add_pd(_mm_add_pd(_mm_mul_pd(a.x, bc.x), _mm_mul_pd(a.y, bc.y)), _mm_mul_pd(a.z, bc.z));
+  if (_mm_movemask_pd(_mm_cmpgt_pd(det, _mm_setzero_pd())) != 3) return false;
+  const __m128d inverse = _mm_div_pd(_mm_set1_pd(1), det);
+  const __m128d da = _mm_set_pd(a1->cut, a0->cut), db = _mm_set_pd(b1->cut, b0->cut), dc = _mm_set1_pd(plane->cut);
+  const __m128d at[3] = {weighed(da, bc.x, db, ca.x, dc, ab.x, inverse), weighed(da, bc.y, db, ca.y, dc, ab.y, inverse),
+                         weighed(da, bc.z, db, ca.z, dc, ab.z, inverse)};
+  for (int axis = 0; axis < 3; ++axis) {
+    _mm_storel_pd(&p->position[axis], at[axis]);
+    _mm_storeh_pd(&q->position[axis], at[axis]);
+  }
+  return true;
+}
+#endif
+
+/* Where the planes of a hole's edges meet the new one. */
+static bool meet_all(const voronoi_plane* planes, hole_edge* edges, uint32_t count, const voronoi_plane* plane) {
+  uint32_t k = 0;
+#ifdef __SSE2__
+  for (; k + 2 <= count; k += 2)
+    if (!meet_two(planes, edges + k, edges + k + 1, plane)) return false;
+#endif
+  for (; k < count; ++k) {
+    const voronoi_plane *a = planes + edges[k].a, *b = planes + edges[k].b;
+    if (!meet(a, b, plane, a->cut, b->cut, plane->cut, edges[k].position)) return false;
+  }
+  return true;
+}
+
 static void measure_radius(voronoi_cell* cell) {
   const double *x = cell->x, *y = cell->y, *z = cell->z;
   double radius2 = 0;
@@ -215,7 +272,6 @@ static double corner_radius2(const voronoi_cell* cell, uint32_t i) {
 /* Cuts off what lies beyond a plane. */
 static scree_result cut(voronoi_cell* cell, const voronoi_plane* plane) {
   if (!mark_outside(cell, plane)) return SCREE_OK;
-  const double d = plane->cut;
   const uint32_t count = cell->corner_count;
   uint32_t removed = 0;
   bool lost_farthest = false;
@@ -239,7 +295,9 @@ static scree_result cut(voronoi_cell* cell, const voronoi_plane* plane) {
   for (uint32_t k = 0; k < removed; ++k) {
     const voronoi_corner* corner = cell->corners + cell->removed[k];
     for (int side = 0; side < 3; ++side) {
-      edges[edge_count] = (hole_edge){corner->planes[side], corner->planes[side == 2 ? 0 : side + 1], corner->corners[side]};
+      edges[edge_count].a = corner->planes[side];
+      edges[edge_count].b = corner->planes[side == 2 ? 0 : side + 1];
+      edges[edge_count].beyond = corner->corners[side];
       edge_count += !is_outside(cell, corner->corners[side]);
     }
   }
@@ -253,36 +311,34 @@ static scree_result cut(voronoi_cell* cell, const voronoi_plane* plane) {
   }
   if (edge_count < 3) return SCREE_ERROR_UNSUPPORTED;
 
+  if (!meet_all(cell->planes, edges, edge_count, plane)) return SCREE_ERROR_UNSUPPORTED;
   const uint32_t added = cell->plane_count++;
   cell->planes[added] = *plane;
   uint32_t at = 0, before = UINT32_MAX, first = UINT32_MAX;
   double added_radius2 = 0;
   for (uint32_t k = 0; k < edge_count; ++k) {
-    const hole_edge edge = edges[at];
+    const hole_edge* edge = &edges[at];
     const uint32_t slot = k < removed ? cell->removed[k] : count + k - removed;
-    double position[3];
-    const voronoi_plane *a = cell->planes + edge.a, *b = cell->planes + edge.b;
-    if (!meet(a, b, plane, a->cut, b->cut, d, position)) return SCREE_ERROR_UNSUPPORTED;
-    cell->x[slot] = position[0];
-    cell->y[slot] = position[1];
-    cell->z[slot] = position[2];
+    cell->x[slot] = edge->position[0];
+    cell->y[slot] = edge->position[1];
+    cell->z[slot] = edge->position[2];
     const double r2 = corner_radius2(cell, slot);
     added_radius2 = r2 > added_radius2 ? r2 : added_radius2;
     voronoi_corner* corner = cell->corners + slot;
-    corner->planes[0] = edge.a;
-    corner->planes[1] = edge.b;
+    corner->planes[0] = edge->a;
+    corner->planes[1] = edge->b;
     corner->planes[2] = added;
-    corner->corners[0] = edge.beyond;
+    corner->corners[0] = edge->beyond;
     corner->corners[2] = before;
     if (before == UINT32_MAX)
       first = slot;
     else
       cell->corners[before].corners[1] = slot;
-    voronoi_corner* beyond = cell->corners + edge.beyond;
-    beyond->corners[beyond->planes[0] == edge.b ? 0 : beyond->planes[1] == edge.b ? 1 : 2] = slot;
+    voronoi_corner* beyond = cell->corners + edge->beyond;
+    beyond->corners[beyond->planes[0] == edge->b ? 0 : beyond->planes[1] == edge->b ? 1 : 2] = slot;
     before = slot;
-    if (cell->marks[2 * (size_t)edge.b] != stamp) return SCREE_ERROR_UNSUPPORTED;
-    at = cell->marks[2 * (size_t)edge.b + 1];
+    if (cell->marks[2 * (size_t)edge->b] != stamp) return SCREE_ERROR_UNSUPPORTED;
+    at = cell->marks[2 * (size_t)edge->b + 1];
     if (at == 0 && k + 1 < edge_count) return SCREE_ERROR_UNSUPPORTED; /* more than one loop */
   }
   if (at != 0) return SCREE_ERROR_UNSUPPORTED;
