@@ -539,8 +539,8 @@ static scree_result cut_all(voronoi_cell* cell, const voronoi_grid* grid, const 
   for (int ring = 1;; ++ring) {
     size_t count, done = 0;
     if (!gather(cell, grid, centre, ring, &count)) return SCREE_ERROR_OUT_OF_MEMORY;
-    near_queue queue = {0};
-    if (count > 0) queue_start(&queue, cell->near, (near_seed*)cell->near + cell->near_capacity, count);
+    near_queue queue;
+    queue_start(&queue, cell->near, (near_seed*)cell->near + cell->near_capacity, count);
     scree_result result = SCREE_OK;
     if (ring == 1) {
       done = count < BEFORE_WALLS ? count : BEFORE_WALLS;
