@@ -30,6 +30,7 @@ static const struct {
     [GLB_INSTANCE_COLOURS] = {12, TYPE_FLOAT, "VEC3", false, false, 0},
     [GLB_ROTATIONS] = {16, TYPE_FLOAT, "VEC4", false, false, 0},
     [GLB_SCALES] = {12, TYPE_FLOAT, "VEC3", false, false, 0},
+    [GLB_UVS] = {8, TYPE_FLOAT, "VEC2", false, true, TARGET_VERTICES},
     [GLB_BLOBS] = {1, TYPE_UNSIGNED_BYTE, "SCALAR", false, false, 0},
 };
 
@@ -190,9 +191,10 @@ uint32_t glb_add_material(glb_writer* w, const char* name, const float colour[3]
 
 static void add_primitive(glb_writer* w, const glb_mesh* mesh) {
   text_buffer* t = &w->meshes;
-  bool has_colours = mesh->colours != GLB_NONE;
+  bool has_colours = mesh->colours != GLB_NONE, has_uvs = mesh->uvs != GLB_NONE;
   buffer_format(t, "{\"attributes\":{\"POSITION\":%u,\"NORMAL\":%u", mesh->positions, mesh->normals);
   if (has_colours) buffer_format(t, ",\"COLOR_0\":%u", mesh->colours);
+  if (has_uvs) buffer_format(t, ",\"TEXCOORD_0\":%u", mesh->uvs);
   buffer_format(t, "},\"indices\":%u", mesh->indices);
   if (mesh->material != GLB_NONE) buffer_format(t, ",\"material\":%u", mesh->material);
   if (mesh->blob != GLB_NONE) {
@@ -201,6 +203,7 @@ static void add_primitive(glb_writer* w, const glb_mesh* mesh) {
         t, ",\"extensions\":{\"KHR_draco_mesh_compression\":{\"bufferView\":%u,\"attributes\":{\"POSITION\":%u,\"NORMAL\":%u",
         mesh->blob, mesh->position_id, mesh->normal_id);
     if (has_colours) buffer_format(t, ",\"COLOR_0\":%u", mesh->colour_id);
+    if (has_uvs) buffer_format(t, ",\"TEXCOORD_0\":%u", mesh->uv_id);
     buffer_add(t, "}}}");
   }
   buffer_add(t, "}");

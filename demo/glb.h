@@ -25,8 +25,9 @@ typedef enum glb_stream {
   GLB_INSTANCE_COLOURS = 6, /* 3 floats an instance */
   GLB_ROTATIONS = 7,        /* 4 floats an instance: a unit quaternion x, y, z, w */
   GLB_SCALES = 8,           /* 3 floats an instance */
-  GLB_BLOBS = 9,            /* Draco bytes */
-  GLB_STREAMS = 10
+  GLB_UVS = 9,              /* 2 floats, v down */
+  GLB_BLOBS = 10,           /* Draco bytes */
+  GLB_STREAMS = 11
 } glb_stream;
 
 typedef struct glb_writer glb_writer;
@@ -54,13 +55,13 @@ uint32_t glb_add_blob(glb_writer* writer, const void* data, size_t size);
 uint32_t glb_add_material(glb_writer* writer, const char* name, const float colour[3]);
 
 typedef struct glb_mesh {
-  const char* name;                           /* may be NULL */
-  uint32_t positions, normals, colours;       /* accessors; colours may be GLB_NONE */
-  uint32_t indices;                           /* accessor */
-  uint32_t material;                          /* GLB_NONE = none */
-  uint32_t blob;                              /* buffer view of Draco bytes, GLB_NONE = none */
-  uint32_t position_id, normal_id, colour_id; /* of the attributes in the Draco bytes */
-  const struct glb_mesh* also;                /* one more primitive of this mesh, whose name is not looked at; NULL = none */
+  const char* name;                                  /* may be NULL */
+  uint32_t positions, normals, colours, uvs;         /* accessors; colours and uvs may be GLB_NONE */
+  uint32_t indices;                                  /* accessor */
+  uint32_t material;                                 /* GLB_NONE = none */
+  uint32_t blob;                                     /* buffer view of Draco bytes, GLB_NONE = none */
+  uint32_t position_id, normal_id, colour_id, uv_id; /* of the attributes in the Draco bytes */
+  const struct glb_mesh* also;                       /* one more primitive of this mesh, whose name is not looked at; NULL = none */
 } glb_mesh;
 
 uint32_t glb_add_mesh(glb_writer* writer, const glb_mesh* mesh);

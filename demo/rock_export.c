@@ -15,6 +15,9 @@ enum {
   BATCH = 256      /* meshes that are made between two writes */
 };
 
+/* Primitives of a mesh. All but cliffs are whole rock. */
+enum { ROCK = 0, CUT = 1, PARTS = 2 };
+
 struct rock_export {
   rock_export_desc desc;
   glb_writer* glb;
@@ -29,14 +32,20 @@ typedef struct rock {
   float shade;
 } rock;
 
-/* One shape on its way from the pack to the file. */
-typedef struct shape {
-  uint32_t asset;
+/* A primitive; empty where its counts are 0. */
+typedef struct part {
   uint32_t vertex_count, triangle_count;
   scree_vertex* vertices;
   uint8_t* colours; /* 4 a vertex, linear */
+  float* uvs;       /* 2 a vertex, or NULL */
   uint32_t* indices;
   glb_draco draco;
+} part;
+
+/* One shape on its way from the pack to the file. */
+typedef struct shape {
+  uint32_t asset;
+  part parts[PARTS];
   scree_result result;
 } shape;
 
@@ -44,10 +53,11 @@ typedef struct layer_state {
   rock_export* out;
   const rock_layer* layer;
   uint32_t lod;
-  bool hoodoos; /* vertices know their beds */
-  bool cliff;   /* vertices know cuts */
-  float step;   /* metres per lattice step */
-  uint32_t materials[SCENE_PALETTE_MAX * FLAT_SHADES];
+  bool hoodoos;               /* vertices know their beds */
+  bool cliff;                 /* vertices know cuts */
+  float uv_min[2], uv_max[2]; /* equal where there are no UVs */
+  float step;                 /* metres per lattice step */
+  uint32_t materials[PARTS][SCENE_PALETTE_MAX * FLAT_SHADES];
   rock* rocks;
   shape* shapes; /* BATCH */
   uint32_t first_node;
@@ -99,12 +109,24 @@ static uint32_t shade_count(const layer_state* s) {
 /* What the colours of hoodoos' vertices leave room for above the rock's own: loose grains are paler. */
 #define BRIGHTEST 1.25f
 
+static void add_material(layer_state* s, int which, uint32_t row, const char* name, const float linear[3], const float tint[3]) {
+  float colour[3];
+  for (int c = 0; c < 3; ++c) {
+    colour[c] = linear[c] * tint[c];
+    if (colour[c] > 1) colour[c] = 1;
+  }
+  s->materials[which][row] = glb_add_material(s->out->glb, name, colour);
+}
+
 static void add_materials(layer_state* s) {
+  /* The skin of a cliff is darker than what frost laid bare. */
+  static const float skin[3] = {0.84f, 0.85f, 0.86f}, fresh[3] = {1.10f, 1.05f, 0.98f};
+  static const float bright[3] = {BRIGHTEST, BRIGHTEST, BRIGHTEST}, plain[3] = {1, 1, 1};
   const scene_palette* palette = s->layer->palette;
   uint32_t shades = shade_count(s);
   if (s->layer->models != NULL) {
     static const float white[3] = {1, 1, 1};
-    s->materials[0] = glb_add_material(s->out->glb, s->layer->name, white);
+    s->materials[ROCK][0] = glb_add_material(s->out->glb, s->layer->name, white);
     return;
   }
   for (uint32_t i = 0; i < palette->colour_count; ++i) {
@@ -113,16 +135,18 @@ static void add_materials(layer_state* s) {
       float shade = shades == 1 ? 1.0f : 1.0f - (float)palette->variation * ((float)k + 0.5f) / (float)shades;
       float colour[3];
       char name[SCENE_NAME_SIZE + 32];
-      for (int c = 0; c < 3; ++c) {
-        colour[c] = scene_linear_from_srgb(palette->colours[i][c]) * shade * (s->hoodoos || s->cliff ? BRIGHTEST : 1);
-        if (colour[c] > 1) colour[c] = 1;
+      for (int c = 0; c < 3; ++c) colour[c] = scene_linear_from_srgb(palette->colours[i][c]) * shade;
+      if (s->cliff) {
+        add_material(s, ROCK, i * shades + k, "rock", colour, skin);
+        add_material(s, CUT, i * shades + k, "cut", colour, fresh);
+        continue;
       }
       if (shades == 1) {
         snprintf(name, sizeof name, "%s stone %u", s->layer->name, i + 1);
       } else {
         snprintf(name, sizeof name, "%s stone %u.%u", s->layer->name, i + 1, k + 1);
       }
-      s->materials[i * shades + k] = glb_add_material(s->out->glb, name, colour);
+      add_material(s, ROCK, i * shades + k, name, colour, s->hoodoos ? bright : plain);
     }
   }
 }
@@ -171,34 +195,122 @@ static void hoodoo_tint(const scree_vertex* v, float tint[3]) {
   for (int c = 0; c < 3; ++c) tint[c] = level * (is_loose ? 1.15f * pale[c] : dark[c] + (light[c] - dark[c]) * t);
 }
 
-/* The tint of a vertex of a cliff: its skin is darker than what frost laid bare. */
-static void cliff_tint(const scree_vertex* v, float tint[3]) {
-  static const float skin[3] = {0.84f, 0.85f, 0.86f}, fresh[3] = {1.10f, 1.05f, 0.98f};
-  const float level = (float)v->occlusion / 255.0f / BRIGHTEST;
-  for (int c = 0; c < 3; ++c) tint[c] = level * ((v->material & 15) == 2 ? fresh : skin)[c];
-}
-
-static void colour_shape(const layer_state* s, shape* it) {
+static void colour_part(const layer_state* s, uint32_t asset, part* it) {
   for (uint32_t i = 0; i < it->vertex_count; ++i) {
     uint8_t* colour = &it->colours[4 * (size_t)i];
     memset(colour, it->vertices[i].occlusion, 3);
     colour[3] = 255;
     float tint[3];
-    if (s->cliff) cliff_tint(&it->vertices[i], tint);
     if (s->hoodoos) hoodoo_tint(&it->vertices[i], tint);
-    if (s->layer->models != NULL) memcpy(tint, &s->layer->models->models[it->asset].mesh.colours[3 * (size_t)i], sizeof tint);
-    for (int c = 0; c < 3 && (s->hoodoos || s->cliff || s->layer->models != NULL); ++c) colour[c] = unit_byte(tint[c]);
+    if (s->layer->models != NULL) memcpy(tint, &s->layer->models->models[asset].mesh.colours[3 * (size_t)i], sizeof tint);
+    for (int c = 0; c < 3 && (s->hoodoos || s->layer->models != NULL); ++c) colour[c] = unit_byte(tint[c]);
   }
 }
 
 /* A model from a file, on the lattice of its set. */
-static scree_result copy_model(const layer_state* s, shape* it) {
+static scree_result copy_model(const layer_state* s, uint32_t asset, part* it) {
   uint16_t* narrow = malloc((size_t)it->triangle_count * 3 * sizeof *narrow);
   if (narrow == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
-  scene_models_vertices(s->layer->models, it->asset, it->vertices, narrow);
+  scene_models_vertices(s->layer->models, asset, it->vertices, narrow);
   for (size_t i = 0; i < (size_t)it->triangle_count * 3; ++i) it->indices[i] = narrow[i];
   free(narrow);
   return SCREE_OK;
+}
+
+static bool has_uvs(const layer_state* s) {
+  return s->uv_max[0] > s->uv_min[0] || s->uv_max[1] > s->uv_min[1];
+}
+
+static void free_part(part* it) {
+  free(it->vertices);
+  free(it->colours);
+  free(it->uvs);
+  free(it->indices);
+  free(it->draco.bytes);
+  *it = (part){0};
+}
+
+static bool make_room(part* it, uint32_t vertices, uint32_t triangles, bool uvs) {
+  it->vertex_count = vertices;
+  it->triangle_count = triangles;
+  if (vertices == 0 || triangles == 0) return true;
+  it->vertices = malloc(vertices * sizeof *it->vertices);
+  it->colours = malloc((size_t)vertices * 4);
+  it->uvs = uvs ? malloc((size_t)vertices * 2 * sizeof *it->uvs) : NULL;
+  it->indices = malloc((size_t)triangles * 3 * sizeof *it->indices);
+  return it->vertices != NULL && it->colours != NULL && (it->uvs != NULL || !uvs) && it->indices != NULL;
+}
+
+static scree_result read_uvs(const layer_state* s, uint32_t asset, part* it) {
+  scree_uv* uvs = malloc(it->vertex_count * sizeof *uvs);
+  if (uvs == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
+  const scree_result result = scree_draco_decode_uvs(s->layer->pack, asset, s->lod, uvs, NULL, it->vertex_count);
+  for (size_t i = 0; i < it->vertex_count && result == SCREE_OK; ++i) {
+    it->uvs[2 * i] = s->uv_min[0] + (s->uv_max[0] - s->uv_min[0]) * (float)uvs[i].u / 65535.0f;
+    it->uvs[2 * i + 1] = s->uv_min[1] + (s->uv_max[1] - s->uv_min[1]) * (float)uvs[i].v / 65535.0f;
+  }
+  free(uvs);
+  return result;
+}
+
+static bool is_cut(const part* it, uint32_t triangle) {
+  const uint32_t* v = &it->indices[3 * (size_t)triangle];
+  for (int k = 0; k < 3; ++k) {
+    if ((it->vertices[v[k]].material & 15) != 2) return false;
+  }
+  return true;
+}
+
+/* The triangles of `whole` that are cuts, or those that are none, with the vertices that they use. rows: a number a vertex. */
+static bool take_part(const part* whole, bool cuts, uint32_t* rows, part* out) {
+  uint32_t vertices = 0, triangles = 0;
+  memset(rows, 0xff, whole->vertex_count * sizeof *rows);
+  for (uint32_t i = 0; i < whole->triangle_count; ++i) {
+    if (is_cut(whole, i) != cuts) continue;
+    ++triangles;
+    for (size_t k = 0; k < 3; ++k) {
+      uint32_t* row = &rows[whole->indices[3 * (size_t)i + k]];
+      if (*row == UINT32_MAX) *row = vertices++;
+    }
+  }
+  if (!make_room(out, vertices, triangles, whole->uvs != NULL)) return false;
+  for (size_t i = 0; i < whole->vertex_count; ++i) {
+    if (rows[i] == UINT32_MAX) continue;
+    out->vertices[rows[i]] = whole->vertices[i];
+    if (whole->uvs != NULL) memcpy(&out->uvs[2 * (size_t)rows[i]], &whole->uvs[2 * i], 2 * sizeof *out->uvs);
+  }
+  uint32_t* to = out->indices;
+  for (uint32_t i = 0; i < whole->triangle_count; ++i) {
+    for (size_t k = 0; k < 3 && is_cut(whole, i) == cuts; ++k) *to++ = rows[whole->indices[3 * (size_t)i + k]];
+  }
+  return true;
+}
+
+static scree_result split_cuts(shape* it) {
+  part whole = it->parts[ROCK];
+  it->parts[ROCK] = (part){0};
+  uint32_t* rows = malloc(whole.vertex_count * sizeof *rows);
+  const bool good =
+      rows != NULL && take_part(&whole, false, rows, &it->parts[ROCK]) && take_part(&whole, true, rows, &it->parts[CUT]);
+  free(rows);
+  free_part(&whole);
+  return good ? SCREE_OK : SCREE_ERROR_OUT_OF_MEMORY;
+}
+
+static bool is_empty(const part* it) {
+  return it->vertex_count == 0 || it->triangle_count == 0;
+}
+
+static scree_result encode_part(const layer_state* s, part* it) {
+  glb_draco_mesh mesh = {.vertices = it->vertices,
+                         .colours = it->colours,
+                         .uvs = it->uvs,
+                         .uv_min = {s->uv_min[0], s->uv_min[1]},
+                         .vertex_count = it->vertex_count,
+                         .indices = it->indices,
+                         .triangle_count = it->triangle_count};
+  mesh.uv_span = fmaxf(s->uv_max[0] - s->uv_min[0], s->uv_max[1] - s->uv_min[1]);
+  return glb_draco_encode(&mesh, &it->draco);
 }
 
 /* Decodes one shape and, for the instanced form, encodes it again: the part that runs on all threads. */
@@ -206,6 +318,7 @@ static void make_shape(void* context, uint32_t index, uint32_t worker) {
   (void)worker;
   layer_state* s = context;
   shape* it = &s->shapes[index];
+  part* whole = &it->parts[ROCK];
   const scene_models* models = s->layer->models;
   scree_lod lod = {.vertices = 0};
   it->result = SCREE_OK;
@@ -218,32 +331,26 @@ static void make_shape(void* context, uint32_t index, uint32_t worker) {
     it->result = SCREE_ERROR_INVALID_ARGUMENT;
   }
   if (it->result != SCREE_OK) return;
-  it->vertex_count = lod.vertices;
-  it->triangle_count = lod.triangles;
-  if (lod.vertices == 0 || lod.triangles == 0) return;
-  it->vertices = malloc(lod.vertices * sizeof *it->vertices);
-  it->colours = malloc((size_t)lod.vertices * 4);
-  it->indices = malloc((size_t)lod.triangles * 3 * sizeof *it->indices);
-  it->result = SCREE_ERROR_OUT_OF_MEMORY;
-  if (it->vertices == NULL || it->colours == NULL || it->indices == NULL) return;
-  it->result = models != NULL ? copy_model(s, it)
-                              : scree_draco_decode_u32(s->layer->pack, it->asset, s->lod, it->vertices, lod.vertices, it->indices,
-                                                       (size_t)lod.triangles * 3);
-  if (it->result != SCREE_OK) return;
-  colour_shape(s, it);
-  if (s->out->desc.format == ROCK_FORMAT_FLAT) return;
-  it->result = glb_draco_encode(it->vertices, it->colours, lod.vertices, it->indices, lod.triangles, &it->draco);
+  if (!make_room(whole, lod.vertices, lod.triangles, has_uvs(s))) it->result = SCREE_ERROR_OUT_OF_MEMORY;
+  if (it->result != SCREE_OK || is_empty(whole)) return;
+  it->result = models != NULL ? copy_model(s, it->asset, whole)
+                              : scree_draco_decode_u32(s->layer->pack, it->asset, s->lod, whole->vertices, lod.vertices,
+                                                       whole->indices, (size_t)lod.triangles * 3);
+  if (it->result == SCREE_OK && whole->uvs != NULL) it->result = read_uvs(s, it->asset, whole);
+  if (it->result == SCREE_OK && s->cliff) it->result = split_cuts(it);
+  for (int i = 0; i < PARTS && it->result == SCREE_OK; ++i) {
+    if (is_empty(&it->parts[i])) continue;
+    colour_part(s, it->asset, &it->parts[i]);
+    if (s->out->desc.format == ROCK_FORMAT_INSTANCED) it->result = encode_part(s, &it->parts[i]);
+  }
 }
 
 static void free_shape(shape* it) {
-  free(it->vertices);
-  free(it->colours);
-  free(it->indices);
-  free(it->draco.bytes);
+  for (int i = 0; i < PARTS; ++i) free_part(&it->parts[i]);
   *it = (shape){0};
 }
 
-static void bounds_of(const shape* it, float scale, float min[3], float max[3]) {
+static void bounds_of(const part* it, float scale, float min[3], float max[3]) {
   for (int k = 0; k < 3; ++k) min[k] = max[k] = (float)it->vertices[0].position[k] * scale;
   for (uint32_t i = 1; i < it->vertex_count; ++i) {
     for (int k = 0; k < 3; ++k) {
@@ -254,8 +361,8 @@ static void bounds_of(const shape* it, float scale, float min[3], float max[3]) 
   }
 }
 
-/* The accessors of a shape's mesh as plain arrays. */
-static bool write_plain(layer_state* s, const shape* it, glb_mesh* mesh) {
+/* The accessors of a primitive as plain arrays. */
+static bool write_plain(layer_state* s, const part* it, glb_mesh* mesh) {
   glb_writer* glb = s->out->glb;
   uint32_t count = it->vertex_count;
   float* numbers = malloc((size_t)count * 3 * sizeof *numbers);
@@ -269,6 +376,7 @@ static bool write_plain(layer_state* s, const shape* it, glb_mesh* mesh) {
     for (size_t i = 0; i < (size_t)count * 3; ++i) numbers[i] = (float)it->vertices[i / 3].normal[i % 3] / 32767.0f;
     mesh->normals = glb_add_data(glb, GLB_NORMALS, numbers, count, NULL, NULL);
     mesh->colours = glb_add_data(glb, GLB_COLOURS, it->colours, count, NULL, NULL);
+    if (it->uvs != NULL) mesh->uvs = glb_add_data(glb, GLB_UVS, it->uvs, count, NULL, NULL);
     /* 65535 is no vertex: it restarts strips. */
     if (count <= UINT16_MAX) {
       for (size_t i = 0; i < (size_t)it->triangle_count * 3; ++i) narrow[i] = (uint16_t)it->indices[i];
@@ -282,19 +390,21 @@ static bool write_plain(layer_state* s, const shape* it, glb_mesh* mesh) {
   return good;
 }
 
-static void write_draco(layer_state* s, const shape* it, glb_mesh* mesh) {
+static void write_draco(layer_state* s, const part* it, glb_mesh* mesh) {
   glb_writer* glb = s->out->glb;
   float min[3], max[3];
   bounds_of(it, 1.0f, min, max);
   mesh->positions = glb_add_accessor(glb, GLB_POSITIONS, it->draco.points, min, max);
   mesh->normals = glb_add_accessor(glb, GLB_NORMALS, it->draco.points, NULL, NULL);
   mesh->colours = glb_add_accessor(glb, GLB_COLOURS, it->draco.points, NULL, NULL);
+  if (it->uvs != NULL) mesh->uvs = glb_add_accessor(glb, GLB_UVS, it->draco.points, NULL, NULL);
   glb_stream indices = it->draco.points <= UINT16_MAX ? GLB_INDICES16 : GLB_INDICES32;
   mesh->indices = glb_add_accessor(glb, indices, it->draco.triangles * 3, NULL, NULL);
   mesh->blob = glb_add_blob(glb, it->draco.bytes, it->draco.size);
   mesh->position_id = it->draco.position_id;
   mesh->normal_id = it->draco.normal_id;
   mesh->colour_id = it->draco.colour_id;
+  mesh->uv_id = it->draco.uv_id;
 }
 
 /* The unit quaternion of a turn about +Y. */
@@ -366,27 +476,29 @@ static bool write_rocks(layer_state* s, const rock* rocks, uint32_t count, uint3
 
 /* Writes a shape with all its rocks, which begin at `rocks`. Returns how many they are, 0 when memory is short. */
 static uint32_t write_shape(layer_state* s, const shape* it, const rock* rocks, uint32_t left) {
-  glb_mesh mesh = {.blob = GLB_NONE};
+  glb_mesh meshes[PARTS], *mesh = NULL;
   char name[SCENE_NAME_SIZE + 16];
-  uint32_t count = 0;
-  bool is_empty = it->vertex_count == 0 || it->triangle_count == 0;
+  uint32_t count = 0, triangles = 0;
   snprintf(name, sizeof name, "%s %u", s->layer->name, it->asset);
-  mesh.name = name;
-  if (!is_empty) {
-    ++s->stats.shapes;
+  for (int i = PARTS - 1; i >= 0; --i) {
+    meshes[i] = (glb_mesh){.name = name, .uvs = GLB_NONE, .blob = GLB_NONE, .also = mesh};
+    if (is_empty(&it->parts[i])) continue;
+    mesh = &meshes[i];
+    triangles += it->parts[i].triangle_count;
     if (s->out->desc.format == ROCK_FORMAT_INSTANCED) {
-      write_draco(s, it, &mesh);
-    } else if (!write_plain(s, it, &mesh)) {
+      write_draco(s, &it->parts[i], mesh);
+    } else if (!write_plain(s, &it->parts[i], mesh)) {
       return 0;
     }
   }
+  if (mesh != NULL) ++s->stats.shapes;
   while (count < left && rocks[count].asset == it->asset) {
     uint32_t first = count;
     while (count < left && rocks[count].asset == it->asset && rocks[count].material == rocks[first].material) ++count;
-    if (is_empty) continue;
-    mesh.material = s->materials[rocks[first].material];
-    if (!write_rocks(s, rocks + first, count - first, glb_add_mesh(s->out->glb, &mesh))) return 0;
-    s->stats.triangles += (uint64_t)it->triangle_count * (count - first);
+    if (mesh == NULL) continue;
+    for (int i = 0; i < PARTS; ++i) meshes[i].material = s->materials[i][rocks[first].material];
+    if (!write_rocks(s, rocks + first, count - first, glb_add_mesh(s->out->glb, mesh))) return 0;
+    s->stats.triangles += (uint64_t)triangles * (count - first);
   }
   return count;
 }
@@ -461,6 +573,8 @@ scree_result rock_export_add(rock_export* file, const rock_layer* layer, rock_ex
     s.step = (float)(layer->cell_size / info.lattice_per_cell);
     s.hoodoos = info.kind == SCREE_PACK_MODELS;
     s.cliff = info.kind == SCREE_PACK_CLIFF;
+    memcpy(s.uv_min, info.uv_min, sizeof s.uv_min);
+    memcpy(s.uv_max, info.uv_max, sizeof s.uv_max);
   }
   s.first_node = glb_node_count(file->glb);
   s.shapes = calloc(BATCH, sizeof *s.shapes);

@@ -5,7 +5,10 @@
  * _COLOR_0 still see the base colours, which are materials. Meshes and places are in lattice steps; the node above them has the
  * scale. Flat: no extensions. One node per rock, shared meshes in metres, colours as materials in a few shades.
  *
- * Both: normals, occlusion of each vertex as COLOR_0, only the shapes that are used. Each layer is one node of the scene. */
+ * Both: normals, occlusion of each vertex as COLOR_0, only the shapes that are used. Each layer is one node of the scene.
+ *
+ * Meshes of cliffs have two primitives where frost cut them: what is left of the solid, whose materials are all named "rock", and
+ * the cut faces, "cut", so that each can be textured. UVs are TEXCOORD_0; a pack whose range of them is empty gives none. */
 #ifndef ROCK_EXPORT_H
 #define ROCK_EXPORT_H
 
@@ -33,9 +36,9 @@ typedef struct rock_turn {
   float sine, cosine, scale;
 } rock_turn;
 
-/* Rocks of one field, models of one scatter, or any others of one pack or set of models. Cliffs are paler where frost cut them;
- * hoodoos have the tints of their beds and of what crumbled off them in the colours of their vertices, models from files their own
- * colours there and a white material. */
+/* Rocks of one field, models of one scatter, or any others of one pack or set of models. Cuts of cliffs are paler than the
+ * rest; hoodoos have the tints of their beds and of what crumbled off them in the colours of their vertices, models from files
+ * their own colours there and a white material. */
 typedef struct rock_layer {
   const char* name;           /* of the node */
   const scree_pack* pack;     /* or NULL, and */

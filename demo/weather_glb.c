@@ -55,6 +55,7 @@ scree_result weather_glb_write(const char* path, const char* name, const scree_s
     glb_mesh colluvium = {.positions = glb_add_data(file, GLB_POSITIONS, s.positions, surface->vertex_count, s.min, s.max),
                           .normals = glb_add_data(file, GLB_NORMALS, s.normals, surface->vertex_count, NULL, NULL),
                           .colours = glb_add_data(file, GLB_COLOURS, s.colours, surface->vertex_count, NULL, NULL),
+                          .uvs = GLB_NONE,
                           .blob = GLB_NONE};
     glb_mesh rock = colluvium;
     const uint32_t* rest = surface->indices + (size_t)3 * surface->rock_triangles;

@@ -57,7 +57,7 @@ std::vector<float> numbers(const tinygltf::Model& model, int index, int type) {
 }
 
 struct shape {
-  std::vector<float> positions, normals, colours;
+  std::vector<float> positions, normals, colours, uvs; /* uvs: empty where there are none */
   std::vector<uint32_t> indices;
 };
 
@@ -100,6 +100,11 @@ shape load_draco(const tinygltf::Model& model, const tinygltf::Primitive& p, con
   out.positions = attribute(mesh, ids, "POSITION", 3);
   out.normals = attribute(mesh, ids, "NORMAL", 3);
   out.colours = attribute(mesh, ids, "COLOR_0", 4);
+  if (p.attributes.count("TEXCOORD_0") > 0) {
+    const tinygltf::Accessor& a = model.accessors.at(size_t(p.attributes.at("TEXCOORD_0")));
+    check(a.type == TINYGLTF_TYPE_VEC2 && a.componentType == TINYGLTF_COMPONENT_TYPE_FLOAT, "UVs are no two floats");
+    out.uvs = attribute(mesh, ids, "TEXCOORD_0", 2);
+  }
   for (float& value : out.colours) value = value > 1 ? value / 255 : value;
   for (draco::FaceIndex f(0); f < mesh.num_faces(); ++f) {
     for (size_t k = 0; k < 3; ++k) out.indices.push_back(mesh.face(f)[k].value());
@@ -113,18 +118,21 @@ shape load_plain(const tinygltf::Model& model, const tinygltf::Primitive& p) {
   out.positions = numbers(model, p.attributes.at("POSITION"), TINYGLTF_TYPE_VEC3);
   out.normals = numbers(model, p.attributes.at("NORMAL"), TINYGLTF_TYPE_VEC3);
   out.colours = numbers(model, p.attributes.at("COLOR_0"), TINYGLTF_TYPE_VEC4);
+  if (p.attributes.count("TEXCOORD_0") > 0) out.uvs = numbers(model, p.attributes.at("TEXCOORD_0"), TINYGLTF_TYPE_VEC2);
   check(p.indices >= 0, "a mesh has no indices");
   for (float index : numbers(model, p.indices, TINYGLTF_TYPE_SCALAR)) out.indices.push_back(uint32_t(index));
   return out;
 }
 
-/* What a rock of this mesh is, before it is placed. */
+/* What a rock of this primitive is, before it is placed. */
 glb_rock measure(const tinygltf::Model& model, const tinygltf::Primitive& p) {
   auto draco_extension = p.extensions.find("KHR_draco_mesh_compression");
   shape s = draco_extension != p.extensions.end() ? load_draco(model, p, draco_extension->second) : load_plain(model, p);
   const size_t count = s.positions.size() / 3;
   check(count > 0 && s.normals.size() == count * 3 && s.colours.size() == count * 4, "attributes of different length");
+  check(s.uvs.empty() || s.uvs.size() == count * 2, "attributes of different length");
   glb_rock rock{};
+  rock.has_uvs = !s.uvs.empty();
   rock.is_grey = 1;
   rock.vertices = uint32_t(count);
   rock.triangles = uint32_t(s.indices.size() / 3);
@@ -161,6 +169,27 @@ glb_rock measure(const tinygltf::Model& model, const tinygltf::Primitive& p) {
     }
   }
   check(agreement > 0, "normals point inwards");
+  for (size_t i = 0; i < s.indices.size() && rock.has_uvs != 0; ++i) {
+    const float* at = &s.positions[3 * size_t(s.indices[i])];
+    const double weight = double(at[0]) + 2 * double(at[1]) + 3 * double(at[2]);
+    for (size_t k = 0; k < 2; ++k) rock.uv_sums[k] += weight * double(s.uvs[2 * size_t(s.indices[i]) + k]);
+  }
+  return rock;
+}
+
+/* Two primitives of one mesh. */
+glb_rock both(glb_rock rock, const glb_rock& more) {
+  check(rock.has_uvs == more.has_uvs, "a primitive has UVs, another none");
+  rock.vertices += more.vertices;
+  rock.triangles += more.triangles;
+  rock.cut_triangles += more.cut_triangles;
+  rock.volume += more.volume;
+  rock.is_grey = rock.is_grey && more.is_grey;
+  for (size_t k = 0; k < 2; ++k) rock.uv_sums[k] += more.uv_sums[k];
+  for (size_t k = 0; k < 3; ++k) {
+    rock.min[k] = std::min(rock.min[k], more.min[k]);
+    rock.max[k] = std::max(rock.max[k], more.max[k]);
+  }
   return rock;
 }
 
@@ -173,10 +202,15 @@ struct reader {
     auto known = meshes.find(index);
     if (known != meshes.end()) return known->second;
     const tinygltf::Mesh& m = model.meshes.at(size_t(index));
-    check(m.primitives.size() == 1, "a mesh has several primitives");
-    glb_rock rock = measure(model, m.primitives[0]);
-    const tinygltf::Material& material = model.materials.at(size_t(m.primitives[0].material));
-    for (size_t k = 0; k < 3; ++k) rock.base[k] = float(material.pbrMetallicRoughness.baseColorFactor[k]);
+    glb_rock rock{};
+    check(!m.primitives.empty(), "a mesh has no primitives");
+    for (size_t i = 0; i < m.primitives.size(); ++i) {
+      const tinygltf::Material& material = model.materials.at(size_t(m.primitives[i].material));
+      glb_rock more = measure(model, m.primitives[i]);
+      more.cut_triangles = material.name == "cut" ? more.triangles : 0;
+      for (size_t k = 0; k < 3; ++k) more.base[k] = float(material.pbrMetallicRoughness.baseColorFactor[k]);
+      rock = i == 0 ? more : both(rock, more);
+    }
     return meshes[index] = rock;
   }
 
@@ -243,6 +277,7 @@ struct reader {
       rock.colour[k] = rock.base[k] * colour[k];
     }
     rock.volume *= scale * scale * scale;
+    for (double& sum : rock.uv_sums) sum *= scale;
     rocks.push_back(rock);
   }
 };

@@ -18,9 +18,12 @@ typedef struct glb_rock {
   int is_grey;           /* all vertices have grey colours */
   double volume;         /* signed, cubic metres: positive when triangles face outwards */
   float colour[3];       /* base colour times the instance's own, linear */
-  float base[3];         /* base colour alone */
+  float base[3];         /* base colour alone, of its first primitive */
   uint32_t vertices, triangles;
-  uint32_t shape; /* number of the mesh's positions: equal for rocks that share them */
+  uint32_t cut_triangles; /* of them, those of materials named "cut" */
+  int has_uvs;
+  double uv_sums[2]; /* of u and v times x + 2 y + 3 z in metres, over all corners of triangles, before its turn */
+  uint32_t shape;    /* number of the mesh's positions: equal for rocks that share them */
 } glb_rock;
 
 typedef struct glb_scene {

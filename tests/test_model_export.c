@@ -23,6 +23,8 @@ enum { COUNT = 60 };
 static char folder[64], file[96];
 static uint8_t* bytes;
 static scree_pack* pack;
+static uint8_t* cliff_bytes;
+static scree_pack* cliff;
 static scene_models* models;
 static scree_instance instances[COUNT];
 static uint32_t hashes[COUNT];
@@ -40,10 +42,12 @@ static void make_instances(uint32_t assets) {
   }
 }
 
+static uint32_t lod;
+
 static void export_layer(rock_layer layer, rock_format format) {
   scree_error error = {""};
   rock_export* writer;
-  const rock_export_desc desc = {.path = file, .format = format};
+  const rock_export_desc desc = {.path = file, .format = format, .lod = lod};
   layer.cell_size = 1;
   layer.palette = &palette;
   layer.instances = instances;
@@ -108,6 +112,65 @@ static void models_of_a_pack_are_turned_and_scaled(void** state) {
   }
 }
 
+/* What a file should say of a cliff's asset at the size of its pack: triangles that are cuts, and the sums of glb_rock. */
+static uint32_t measure_uvs(uint32_t asset, double sums[2]) {
+  scree_pack_info info;
+  scree_lod level;
+  scree_pack_get_info(cliff, &info);
+  assert_int_equal(scree_pack_get_lod(cliff, asset, lod, &level), SCREE_OK);
+  const size_t corners = (size_t)level.triangles * 3;
+  scree_vertex* vertices = malloc(level.vertices * sizeof *vertices);
+  scree_uv* uvs = malloc(level.vertices * sizeof *uvs);
+  uint32_t* indices = malloc(corners * sizeof *indices);
+  assert_int_equal(scree_draco_decode_u32(cliff, asset, lod, vertices, level.vertices, indices, corners), SCREE_OK);
+  assert_int_equal(scree_draco_decode_uvs(cliff, asset, lod, uvs, NULL, level.vertices), SCREE_OK);
+  uint32_t cuts = 0;
+  sums[0] = sums[1] = 0;
+  for (size_t i = 0; i < corners; ++i) {
+    const int16_t* at = vertices[indices[i]].position;
+    const double weight = (double)(at[0] + 2 * at[1] + 3 * at[2]) / info.lattice_per_cell;
+    const double raw[2] = {uvs[indices[i]].u, uvs[indices[i]].v};
+    for (int k = 0; k < 2; ++k)
+      sums[k] += weight * ((double)info.uv_min[k] + (double)(info.uv_max[k] - info.uv_min[k]) * raw[k] / 65535);
+    bool is_cut = i % 3 == 0;
+    for (size_t k = 0; k < 3 && is_cut; ++k) is_cut = (vertices[indices[i + k]].material & 15) == 2;
+    cuts += is_cut;
+  }
+  free(vertices);
+  free(uvs);
+  free(indices);
+  return cuts;
+}
+
+static void cliffs_have_uvs_and_cuts_of_their_own(void** state) {
+  (void)state;
+  scree_pack_info info;
+  scree_pack_get_info(cliff, &info);
+  make_instances(info.asset_count);
+  for (int form = 0; form < 4; ++form) {
+    glb_scene scene;
+    lod = (uint32_t)form / 2;
+    export_layer((rock_layer){.name = "cliffs", .pack = cliff}, form % 2 == 0 ? ROCK_FORMAT_INSTANCED : ROCK_FORMAT_FLAT);
+    read_back(&scene);
+    assert_int_equal(scene.material_count, 2);
+    bool some = false, none = false;
+    for (size_t i = 0; i < COUNT; ++i) {
+      const glb_rock* rock = &scene.rocks[i];
+      const uint32_t row = row_of(rock);
+      double sums[2];
+      const uint32_t cuts = measure_uvs(instances[row].asset, sums);
+      assert_true(rock->has_uvs && rock->is_grey);
+      assert_int_equal(rock->cut_triangles, cuts);
+      some |= cuts > 0;
+      none |= cuts == 0;
+      for (int k = 0; k < 2; ++k) assert_near(rock->uv_sums[k], sums[k] * (double)turns[row].scale, 1e-6 * rock->triangles * 30);
+    }
+    assert_true(some && none);
+    glb_scene_free(&scene);
+  }
+  lod = 0;
+}
+
 static void models_of_files_are_copied_with_their_colours(void** state) {
   (void)state;
   make_instances(models->count);
@@ -116,6 +179,7 @@ static void models_of_files_are_copied_with_their_colours(void** state) {
     export_layer((rock_layer){.name = "trees", .models = models}, (rock_format)format);
     read_back(&scene);
     assert_int_equal(scene.material_count, 1);
+    assert_false(scene.rocks[0].has_uvs);
     for (size_t i = 0; i < COUNT; ++i) {
       const uint32_t row = row_of(&scene.rocks[i]);
       const double scale = (double)turns[row].scale, step = 1.0 / (double)models->steps_per_metre;
@@ -137,6 +201,8 @@ static int set_up(void** state) {
   size_t size;
   bytes = test_model_pack_make(NULL, &size);
   if (scree_pack_open_memory(bytes, size, NULL, &pack) != SCREE_OK) return -1;
+  cliff_bytes = test_model_pack_make(&(test_models_desc){.cliff = true, .variants = 4}, &size);
+  if (scree_pack_open_memory(cliff_bytes, size, NULL, &cliff) != SCREE_OK) return -1;
   char path[2][96], scene_file[96];
   static const char text[] =
       "{\"fields\": [{\"models\": [\"a.glb\", \"b.glb\"], \"spacing\": 1, \"support\": {\"shape\": \"box\"}}]}";
@@ -160,6 +226,8 @@ static int tear_down(void** state) {
   (void)state;
   scree_pack_close(pack);
   free(bytes);
+  scree_pack_close(cliff);
+  free(cliff_bytes);
   scene_models_destroy(models);
   remove(file);
   return rmdir(folder);
@@ -168,6 +236,7 @@ static int tear_down(void** state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(models_of_a_pack_are_turned_and_scaled),
+      cmocka_unit_test(cliffs_have_uvs_and_cuts_of_their_own),
       cmocka_unit_test(models_of_files_are_copied_with_their_colours),
   };
   return cmocka_run_group_tests(tests, set_up, tear_down);

@@ -14,6 +14,7 @@
 /* after the four above */
 #include <cmocka.h>
 
+#include "make_model_pack.h"
 #include "make_pack.h"
 #include "rock_export.h"
 #include "scene_live.h"
@@ -241,6 +242,15 @@ static void exporting_rocks_survives(void** state) {
   fail_each(export_rocks, 20);
   format = ROCK_FORMAT_FLAT;
   fail_each(export_rocks, 20);
+  scree_pack_close(given.pack);
+  free(given.bytes);
+  given.bytes = test_model_pack_make(&(test_models_desc){.cliff = true}, &size);
+  assert_int_equal(scree_pack_open_memory(given.bytes, size, NULL, &given.pack), SCREE_OK);
+  given.layer.pack = given.pack;
+  for (int form = ROCK_FORMAT_INSTANCED; form <= ROCK_FORMAT_FLAT; ++form) {
+    format = (rock_format)form;
+    fail_each(export_rocks, 25);
+  }
   assert_int_equal(remove("out_of_memory.glb"), 0);
   scree_pack_close(given.pack);
   free(given.bytes);
