@@ -160,6 +160,7 @@ scree_result scree_frost_set_rules(scree_frost* f, const scree_frost_rules* rule
   forget_pointers(&f->rules);
   frost_find_rests(&f->view, f->tables.gravity, f->rests);
   f->unsettled = true;
+  ++f->rules_set;
   frost_derive(f);
   return SCREE_OK;
 }

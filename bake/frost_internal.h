@@ -64,9 +64,10 @@ struct scree_frost {
   scree_frost_stats stats; /* its `volume` is kept by sums; memory too */
   uint32_t unchecked;      /* breaks since stability was looked at */
   frost_stability* stability;
-  uint8_t* rests; /* of each shard: 1 where it reaches down to the solid's lowest place */
-  bool unsettled; /* rules or state came anew: what these do not hold falls before the next path or edit */
-  bool apart;     /* more than one component stands, and none by what holds: see frost_settle */
+  uint8_t* rests;     /* of each shard: 1 where it reaches down to the solid's lowest place */
+  bool unsettled;     /* rules or state came anew: what these do not hold falls before the next path or edit */
+  bool apart;         /* more than one component stands, and none by what holds: see frost_settle */
+  uint32_t rules_set; /* how often rules came anew */
 
   /* What fell and was kept, in the order of falling: a shard is in at most one block. */
   scree_block* blocks;

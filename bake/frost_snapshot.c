@@ -8,7 +8,8 @@ struct scree_frost_snapshot {
   double* lives;
   scree_block* blocks;
   uint32_t* block_shards;
-  uint32_t block_shard_count, unchecked, path_length;
+  uint32_t block_shard_count, unchecked, path_length, rules_set;
+  bool unsettled, apart;
   random_stream stream;
   scree_frost_stats stats;
   uint32_t* path_links;
@@ -45,6 +46,9 @@ scree_result scree_frost_save(const scree_frost* f, scree_frost_snapshot** out) 
   s->block_shard_count = f->block_shard_count;
   s->unchecked = f->unchecked;
   s->path_length = f->path_length;
+  s->rules_set = f->rules_set;
+  s->unsettled = f->unsettled;
+  s->apart = f->apart;
   s->stream = f->stream;
   s->stats = f->stats;
   bool enough = true;
@@ -80,6 +84,7 @@ void scree_frost_restore(scree_frost* f, const scree_frost_snapshot* s) {
   f->stream = s->stream;
   f->stats = s->stats;
   f->stats.memory = memory;
-  f->unsettled = true; /* rules may be others */
+  f->apart = s->apart;
+  f->unsettled = s->unsettled || s->rules_set != f->rules_set;
   frost_derive(f);
 }
