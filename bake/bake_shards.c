@@ -126,8 +126,11 @@ static scree_result choose_lattice(shard_bake* bake, scree_error* error) {
   double across = 0;
   for (int a = 0; a < 3; ++a) across = fmax(across, bake->view.max[a] - bake->view.min[a]);
   if (!(finest >= 1)) {
-    recipe_say(error, "input: what is %g metres across does not fit on the lattice of a pack; expected at most some 16,000",
-               across);
+    recipe_say(
+        error,
+        "input: what is %g metres across does not fit on the lattice of a pack; expected 16383 at most along x, y and z from "
+        "the middle of its ground",
+        across);
     return SCREE_ERROR_RANGE;
   }
   if (!(across * finest >= LEAST_STEPS)) {
@@ -183,7 +186,6 @@ static scree_result place_blocks(shard_bake* bake, uint32_t time, const scree_ru
 }
 
 static scree_result settle(shard_bake* bake, uint32_t time, scree_error* error) {
-  const scree_shard_rubble* rules = &bake->recipe.rubble;
   bake->placement_first[time + 1] = bake->placement_first[time];
   const scree_block* blocks;
   const uint32_t* list;
@@ -194,17 +196,11 @@ static scree_result settle(shard_bake* bake, uint32_t time, scree_error* error) 
   if (result != SCREE_OK) return result;
   for (size_t b = before; b < bake->last_capacity; ++b) bake->last_of[b] = NONE;
   time_progress progress = {bake, time};
-  const scree_rubble_desc desc = {.frost = bake->weather.frost,
-                                  .ground = rules->ground,
-                                  .resolution = rules->resolution,
-                                  .repose = rules->repose,
-                                  .min_volume = rules->min_volume,
-                                  .share = rules->share,
-                                  .reach = rules->reach,
-                                  .random_seed = hash_mix(bake->recipe.random_seed ^ UINT64_C(0x727562626c65)),
-                                  .allocator = bake->allocator,
-                                  .progress = report_time,
-                                  .progress_user = &progress};
+  scree_rubble_desc desc;
+  shard_weather_rubble(&bake->weather, &desc);
+  desc.allocator = bake->allocator;
+  desc.progress = report_time;
+  desc.progress_user = &progress;
   scree_rubble* rubble;
   scree_error fault = {{0}};
   result = scree_rubble_create(&desc, &rubble, &fault);
@@ -254,12 +250,10 @@ static void make_asset(void* context, uint32_t index, uint32_t worker) {
   if (atomic_load(&bake->stopped)) return;
   const scree_allocator* allocator = &bake->allocator;
   const size_t shards = bake->view.shard_count;
-  scree_seed_pattern pattern;
-  scree_shard_seeds_view(&bake->recipe, &pattern);
   shard_asset_desc desc = {.shards = bake->weather.shards,
                            .steps_per_metre = bake->lattice,
                            .lods = bake->recipe.lod_levels,
-                           .joints = pattern.kind == SCREE_SEEDS_COLUMNS,
+                           .joints = bake->recipe.seeds.kind == SCREE_SEEDS_COLUMNS,
                            .block = index >= bake->times};
   uint8_t* inside = NULL;
   scree_result result = SCREE_OK;

@@ -4,6 +4,7 @@
 static uint32_t weigh(const scree_frost* f) {
   if (!(f->rules.strength > 0)) return 0;
   const frost_stability_state state = {.states = f->states,
+                                       .rests = f->rests,
                                        .lives = f->lives,
                                        .gravity = {f->tables.gravity[0], f->tables.gravity[1], f->tables.gravity[2]},
                                        .density = f->rules.density,

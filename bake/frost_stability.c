@@ -28,8 +28,6 @@ struct frost_stability {
   scree_allocator allocator;
   scree_shards_view view;
   symmetric* spread; /* K of each interior link */
-  uint8_t* rests;    /* of each shard: 1 where it is at the lowest place */
-  double gravity[3]; /* that these are of; 0 before the first call */
   uint32_t* level;
   uint32_t* queue;  /* shards by level */
   uint32_t* root;   /* union-find */
@@ -79,7 +77,6 @@ static void release_all(frost_stability* s) {
   const scree_allocator a = s->allocator;
   const uint32_t shards = s->view.shard_count, links = s->view.interior_link_count;
   scree_rt_release(&a, s->spread, links, sizeof *s->spread);
-  scree_rt_release(&a, s->rests, shards, sizeof *s->rests);
   scree_rt_release(&a, s->level, shards, sizeof *s->level);
   scree_rt_release(&a, s->queue, shards, sizeof *s->queue);
   scree_rt_release(&a, s->root, shards, sizeof *s->root);
@@ -98,15 +95,14 @@ scree_result frost_stability_create(const scree_shards* shards, const scree_allo
   s->view = shards->view;
   const uint32_t count = s->view.shard_count, links = s->view.interior_link_count;
   s->spread = scree_rt_allocate(&a, links, sizeof *s->spread);
-  s->rests = scree_rt_allocate(&a, count, sizeof *s->rests);
   s->level = scree_rt_allocate(&a, count, sizeof *s->level);
   s->queue = scree_rt_allocate(&a, count, sizeof *s->queue);
   s->root = scree_rt_allocate(&a, count, sizeof *s->root);
   s->groups = scree_rt_allocate(&a, count, sizeof *s->groups);
   s->sums = scree_rt_allocate(&a, count, sizeof *s->sums);
   s->cuts = scree_rt_allocate(&a, links, sizeof *s->cuts);
-  if ((links > 0 && (s->spread == NULL || s->cuts == NULL)) || s->rests == NULL || s->level == NULL || s->queue == NULL ||
-      s->root == NULL || s->groups == NULL || s->sums == NULL) {
+  if ((links > 0 && (s->spread == NULL || s->cuts == NULL)) || s->level == NULL || s->queue == NULL || s->root == NULL ||
+      s->groups == NULL || s->sums == NULL) {
     release_all(s);
     return SCREE_ERROR_OUT_OF_MEMORY;
   }
@@ -121,44 +117,31 @@ void frost_stability_destroy(frost_stability* stability) {
 
 size_t frost_stability_memory(const frost_stability* s) {
   return sizeof *s + s->view.interior_link_count * (sizeof *s->spread + sizeof *s->cuts) +
-         s->view.shard_count *
-             (sizeof *s->rests + sizeof *s->level + sizeof *s->queue + sizeof *s->root + sizeof *s->groups + sizeof *s->sums);
+         s->view.shard_count * (sizeof *s->level + sizeof *s->queue + sizeof *s->root + sizeof *s->groups + sizeof *s->sums);
 }
 
-/* How far along `unit` a shard reaches; `least`: the other way. */
-static double lowest_of(const scree_shards_view* v, const scree_shard* shard, const double unit[3], double* least) {
-  double low = -INFINITY;
+/* Whether a shard reaches as far as `least` along a direction. */
+static bool reaches(const scree_shards_view* v, const scree_shard* shard, const double along[3], double least) {
   for (uint32_t k = 0; k < shard->link_count; ++k) {
     const scree_link* link = &v->links[v->shard_links[shard->first_link + k]];
     for (uint32_t p = link->first_polygon; p < link->first_polygon + link->polygon_count; ++p) {
       const scree_polygon* polygon = &v->polygons[p];
-      for (uint32_t c = 0; c < polygon->corner_count; ++c) {
-        const double at = dot(v->vertices + 3 * (size_t)v->corners[polygon->first_corner + c], unit);
-        if (at > low) low = at;
-        if (at < *least) *least = at;
-      }
+      for (uint32_t c = 0; c < polygon->corner_count; ++c)
+        if (dot(v->vertices + 3 * (size_t)v->corners[polygon->first_corner + c], along) >= least) return true;
     }
   }
-  return low;
+  return false;
 }
 
 void frost_find_rests(const scree_shards_view* v, const double gravity[3], uint8_t* rests) {
-  const double length = sqrt(dot(gravity, gravity));
-  const double unit[3] = {gravity[0] / length, gravity[1] / length, gravity[2] / length};
   double least = INFINITY, most = -INFINITY;
-  for (uint32_t i = 0; i < v->shard_count; ++i) {
-    const double low = lowest_of(v, &v->shards[i], unit, &least);
-    if (low > most) most = low;
+  for (uint32_t i = 0; i < v->vertex_count; ++i) {
+    const double at = dot(v->vertices + 3 * (size_t)i, gravity);
+    if (at < least) least = at;
+    if (at > most) most = at;
   }
-  const double extent = most - least;
-  for (uint32_t i = 0; i < v->shard_count; ++i) rests[i] = most - lowest_of(v, &v->shards[i], unit, &least) <= 1e-6 * extent;
-}
-
-const uint8_t* frost_stability_rests(frost_stability* s, const double gravity[3]) {
-  if (memcmp(s->gravity, gravity, sizeof s->gravity) == 0) return s->rests;
-  memcpy(s->gravity, gravity, sizeof s->gravity);
-  frost_find_rests(&s->view, gravity, s->rests);
-  return s->rests;
+  const double lowest = most - 1e-6 * (most - least);
+  for (uint32_t i = 0; i < v->shard_count; ++i) rests[i] = reaches(v, &v->shards[i], gravity, lowest);
 }
 
 /* Levels, breadth first. Returns how many shards have one; they are the queue's first, by level. */
@@ -168,7 +151,8 @@ static uint32_t find_levels(frost_stability* s, const frost_stability_state* sta
   for (uint32_t i = 0; i < v->shard_count && !core; ++i) core = state->states[i] == SCREE_SHARD_CORE;
   uint32_t met = 0;
   for (uint32_t i = 0; i < v->shard_count; ++i) {
-    const bool supported = core ? state->states[i] == SCREE_SHARD_CORE : state->states[i] != SCREE_SHARD_AIR && s->rests[i] != 0;
+    const bool supported =
+        core ? state->states[i] == SCREE_SHARD_CORE : state->states[i] != SCREE_SHARD_AIR && state->rests[i] != 0;
     s->level[i] = supported ? 0 : NO_LEVEL;
     if (supported) s->queue[met++] = i;
   }
@@ -353,7 +337,6 @@ uint32_t frost_stability_weigh(frost_stability* s, const frost_stability_state* 
   const double length = sqrt(dot(state->gravity, state->gravity));
   double weight[3];
   for (int axis = 0; axis < 3; ++axis) weight[axis] = state->gravity[axis] / length * (GRAVITY * state->density);
-  frost_stability_rests(s, state->gravity);
   uint32_t broken = 0;
   for (uint32_t end = find_levels(s, state), first; end > 0; end = first) {
     const uint32_t level = s->level[s->queue[end - 1]];

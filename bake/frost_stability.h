@@ -33,6 +33,7 @@
 /* What is weighed. Directions need not be unit. */
 typedef struct frost_stability_state {
   const uint8_t* states; /* scree_shard_state of each shard */
+  const uint8_t* rests;  /* frost_find_rests of this gravity: such shards are the supported ones where none is core */
   const double* lives;   /* of each link */
   double gravity[3];
   double density, strength, compression; /* as in scree_frost_rules; strength > 0 */
@@ -47,10 +48,6 @@ size_t frost_stability_memory(const frost_stability* stability);
 
 /* Of each shard: 1 where it has a vertex within 1e-6 of the solid's extent along gravity from its lowest place. */
 void frost_find_rests(const scree_shards_view* view, const double gravity[3], uint8_t* rests);
-
-/* The same, kept: such shards are the supported ones where none is core. Stays where it is, and true until the next call with
- * another gravity. Allocates nothing. */
-const uint8_t* frost_stability_rests(frost_stability* stability, const double gravity[3]);
 
 /* How many groups break off; their cuts' links are then frost_stability_cuts, the farthest group's first, until the next call.
  * Allocates nothing. Time: in proportion to shards and links. */

@@ -202,12 +202,20 @@ static bool holds(const lattice_mesh* mesh, const double p[3]) {
 static void add_extent(const shard_asset_desc* desc, shard_asset* out) {
   const lattice_mesh* mesh = &out->lods[0].mesh;
   const double metres = 1 / desc->steps_per_metre;
-  const double foot = out->bounds_min[1] + 0.01 * (out->bounds_max[1] - out->bounds_min[1]);
+  /* What stands may reach into the ground, which is y = 0. */
+  const double ground = desc->block || out->bounds_min[1] > 0 ? out->bounds_min[1] : 0;
+  const double foot = ground + 0.01 * (out->bounds_max[1] - ground);
   double farthest2 = 0;
   for (uint32_t v = 0; v < mesh->vertex_count; ++v) {
     const int16_t* p = mesh->positions[v];
     const double distance2 = (double)p[0] * p[0] + (double)p[2] * p[2];
-    if (p[1] <= foot && distance2 > farthest2) farthest2 = distance2;
+    if (p[1] >= ground && p[1] <= foot && distance2 > farthest2) farthest2 = distance2;
+  }
+  for (size_t i = 0; i < (size_t)3 * mesh->triangle_count; ++i) {
+    const int16_t *p = mesh->positions[mesh->indices[i]], *q = mesh->positions[mesh->indices[i % 3 == 2 ? i - 2 : i + 1]];
+    if (!(p[1] < ground && q[1] > ground)) continue; /* the other way is another triangle's */
+    const double part = (ground - p[1]) / (q[1] - p[1]), x = p[0] + part * (q[0] - p[0]), z = p[2] + part * (q[2] - p[2]);
+    if (x * x + z * z > farthest2) farthest2 = x * x + z * z;
   }
   out->footprint = (float)(sqrt(farthest2) * metres * (1 + 1e-6));
   out->height = (float)(out->bounds_max[1] * metres);

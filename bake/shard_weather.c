@@ -200,3 +200,16 @@ scree_result shard_weather_advance(shard_weather* weather, uint32_t time, bool (
     if (result != SCREE_OK) return result;
   }
 }
+
+void shard_weather_rubble(const shard_weather* weather, scree_rubble_desc* out) {
+  const scree_shard_recipe* recipe = weather->desc->recipe;
+  const scree_shard_rubble* rules = &recipe->rubble;
+  *out = (scree_rubble_desc){.frost = weather->frost,
+                             .ground = rules->ground,
+                             .resolution = rules->resolution,
+                             .repose = rules->repose,
+                             .min_volume = rules->min_volume,
+                             .share = rules->share,
+                             .reach = rules->reach,
+                             .random_seed = hash_mix(recipe->random_seed ^ UINT64_C(0x727562626c65))}; /* "rubble" */
+}

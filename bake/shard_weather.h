@@ -27,4 +27,7 @@ void shard_weather_destroy(shard_weather* weather); /* all zero is allowed */
 scree_result shard_weather_advance(shard_weather* weather, uint32_t time, bool (*progress)(void* user, double done), void* user,
                                    scree_frost_stats* stats, scree_error* error);
 
+/* How what has fallen comes to rest: the recipe's words, of the simulation as it is. Progress and allocator are left empty. */
+void shard_weather_rubble(const shard_weather* weather, scree_rubble_desc* out);
+
 #endif

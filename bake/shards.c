@@ -142,9 +142,7 @@ static scree_result attempt_shards(const scree_shards_desc* desc, const shard_in
                                    scree_shards** out, scree_error* error) {
   shard_pieces pieces;
   scree_result result = desc->clip == SCREE_CLIP_WALLS ? shard_walls_cut(input, &pieces) : shard_clip_cut(input, &pieces);
-  if (result != SCREE_OK) {
-    return result;
-  }
+  if (result != SCREE_OK) return result;
   *left *= 0.3;
   if (told_to_stop(desc, *left))
     result = SCREE_ERROR_CANCELLED;

@@ -204,14 +204,8 @@ static bool have_common_edge(const uint32_t a[3], const uint32_t b[3]) {
   return common > 1;
 }
 
-static bool boxes_meet(const flat_triangle* a, const flat_triangle* b) {
-  for (int k = 0; k < 3; ++k)
-    if (a->min[k] > b->max[k] || b->min[k] > a->max[k]) return false;
-  return true;
-}
-
 static void look_at(crossing_search* search, const flat_triangle* a, const flat_triangle* b) {
-  if (!boxes_meet(a, b) || have_common_edge(a->vertices, b->vertices)) return;
+  if (!boxes_meet(a->min, a->max, b->min, b->max) || have_common_edge(a->vertices, b->vertices)) return;
   if (a->number > b->number) {
     const flat_triangle* swap = a;
     a = b;
@@ -237,7 +231,7 @@ bool solid_triangles_cross(const double* positions, const uint32_t* a, const uin
   flat_triangle first, second;
   make_ready(positions, a, 0, &first);
   make_ready(positions, b, 1, &second);
-  return boxes_meet(&first, &second) && triangles_cross(&first, &second, place);
+  return boxes_meet(first.min, first.max, second.min, second.max) && triangles_cross(&first, &second, place);
 }
 
 scree_result solid_find_crossing(const double* positions, const uint32_t* indices, uint32_t triangle_count,

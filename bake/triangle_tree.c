@@ -237,12 +237,6 @@ double triangle_tree_distance2(const triangle_tree* tree, const double point[3])
 
 /* --- Pairs. --- */
 
-static bool boxes_meet(const tree_node* a, const tree_node* b) {
-  for (uint32_t k = 0; k < 3; ++k)
-    if (a->min[k] > b->max[k] || b->min[k] > a->max[k]) return false;
-  return true;
-}
-
 void triangle_tree_pairs(const triangle_tree* tree, void (*visit)(void* user, const tree_node* one, const tree_node* other),
                          void* user) {
   if (tree->triangle_count == 0) return;
@@ -254,7 +248,7 @@ void triangle_tree_pairs(const triangle_tree* tree, void (*visit)(void* user, co
   while (held > 0) {
     const uint32_t one = stack[--held].one, other = stack[held].other;
     const tree_node *a = &tree->nodes[one], *b = &tree->nodes[other];
-    if (!boxes_meet(a, b)) continue;
+    if (!boxes_meet(a->min, a->max, b->min, b->max)) continue;
     if (a->count > 0 && b->count > 0) {
       visit(user, a, b);
     } else if (one == other) {

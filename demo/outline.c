@@ -239,15 +239,15 @@ static void draw_heights(pen* p, const scene_node* node, const scene_paths* path
 }
 
 static void draw_mesh(pen* p, const scene_node* node, const scene_paths* paths, scene_files* files) {
-  const triangle_mesh* mesh;
+  scree_mesh mesh;
   scree_error error;
   if (files == NULL || scene_files_mesh(files, paths, "outline", &node->mesh, &mesh, &error) != SCREE_OK) return;
   /* As many triangles as there is room for, evenly picked. */
-  uint32_t stride = mesh->triangle_count / (OUTLINE_SEGMENTS / 4) + 1;
-  for (uint32_t t = 0; t < mesh->triangle_count; t += stride)
+  uint32_t stride = mesh.triangle_count / (OUTLINE_SEGMENTS / 4) + 1;
+  for (uint32_t t = 0; t < mesh.triangle_count; t += stride)
     for (int k = 0; k < 3; ++k) {
-      const float* a = mesh->positions + 3 * mesh->indices[3 * t + (uint32_t)k];
-      const float* b = mesh->positions + 3 * mesh->indices[3 * t + (uint32_t)(k + 1) % 3];
+      const float* a = mesh.positions + 3 * mesh.indices[3 * t + (uint32_t)k];
+      const float* b = mesh.positions + 3 * mesh.indices[3 * t + (uint32_t)(k + 1) % 3];
       const double from[3] = {(double)a[0], (double)a[1], (double)a[2]}, to[3] = {(double)b[0], (double)b[1], (double)b[2]};
       line(p, from, to);
     }

@@ -13,7 +13,8 @@ typedef struct entry {
   bool is_mesh;
   uint32_t time, lod;   /* of a mesh of a cliff; 0 of others */
   scene_height_map map; /* heights only */
-  triangle_mesh mesh;
+  triangle_mesh mesh;   /* of a file; its UVs are let go */
+  scree_mesh cliff;     /* of a pack */
   height_samples heights;
   struct entry* next;
 } entry;
@@ -31,6 +32,7 @@ void scene_files_destroy(scene_files* files) {
   for (entry *e = files->first, *next; e != NULL; e = next) {
     next = e->next;
     triangle_mesh_free(&e->mesh);
+    scree_cliff_mesh_free(NULL, &e->cliff);
     height_samples_free(&e->heights);
     free(e);
   }
@@ -84,42 +86,25 @@ static scree_result say(scree_result result, const char* path, const char* what,
 }
 
 #ifdef SCREE_WITH_DRACO
-static scree_result decode_cliff(const scree_pack* pack, uint32_t asset, uint32_t level, const char* path, triangle_mesh* out,
+static scree_result decode_cliff(const scree_pack* pack, uint32_t asset, uint32_t level, const char* path, scree_mesh* out,
                                  scree_error* error) {
   scree_lod lod;
   scree_result result = scree_pack_get_lod(pack, asset, level, &lod);
   if (result != SCREE_OK) return say(result, path, NULL, error);
   scree_vertex* vertices = malloc(lod.vertices * sizeof *vertices);
   uint32_t* indices = malloc(3 * (size_t)lod.triangles * sizeof *indices);
-  scree_mesh mesh = {0};
   result = SCREE_ERROR_OUT_OF_MEMORY;
   if (vertices != NULL && indices != NULL)
     result = scree_draco_decode_u32(pack, asset, level, vertices, lod.vertices, indices, 3 * (size_t)lod.triangles);
-  if (result == SCREE_OK) result = scree_cliff_mesh_create(pack, vertices, lod.vertices, indices, 3 * lod.triangles, NULL, &mesh);
+  if (result == SCREE_OK) result = scree_cliff_mesh_create(pack, vertices, lod.vertices, indices, 3 * lod.triangles, NULL, out);
   free(vertices);
   free(indices);
-  const size_t positions_size = 3 * (size_t)mesh.vertex_count * sizeof(float),
-               indices_size = 3 * (size_t)mesh.triangle_count * sizeof(uint32_t);
-  if (result == SCREE_OK) {
-    *out = (triangle_mesh){.positions = malloc(positions_size),
-                           .indices = malloc(indices_size),
-                           .vertex_count = mesh.vertex_count,
-                           .triangle_count = mesh.triangle_count};
-    if (out->positions == NULL || out->indices == NULL) {
-      triangle_mesh_free(out);
-      result = SCREE_ERROR_OUT_OF_MEMORY;
-    } else {
-      memcpy(out->positions, mesh.positions, positions_size);
-      memcpy(out->indices, mesh.indices, indices_size);
-    }
-    scree_cliff_mesh_free(NULL, &mesh);
-  }
   return result == SCREE_OK ? result : say(result, path, NULL, error);
 }
 #endif
 
 /* What stands of a cliff, from its pack. */
-static scree_result load_cliff(const char* path, const scene_mesh* from, triangle_mesh* out, scree_error* error) {
+static scree_result load_cliff(const char* path, const scene_mesh* from, scree_mesh* out, scree_error* error) {
   scree_pack* pack;
   scree_result result = scree_pack_open_file(path, NULL, &pack);
   if (result != SCREE_OK) return say(result, path, NULL, error);
@@ -174,13 +159,15 @@ static scree_result find_entry(scene_files* files, const scene_paths* paths, con
     e->lod = mesh->lod;
   }
   result = map != NULL ? height_samples_load(map, e->path, &e->heights, &cause)
-           : is_cliff  ? load_cliff(e->path, mesh, &e->mesh, &cause)
+           : is_cliff  ? load_cliff(e->path, mesh, &e->cliff, &cause)
                        : triangle_mesh_load(e->path, &e->mesh, &cause);
   if (result != SCREE_OK) {
     fail_with(error, result, "%s: %s: %.400s", paths->scene, where, cause.message);
     free(e);
     return result;
   }
+  free(e->mesh.uvs);
+  e->mesh.uvs = NULL;
   e->next = files->first;
   files->first = e;
   *out = e;
@@ -188,11 +175,19 @@ static scree_result find_entry(scene_files* files, const scene_paths* paths, con
 }
 
 scree_result scene_files_mesh(scene_files* files, const scene_paths* paths, const char* where, const scene_mesh* mesh,
-                              const triangle_mesh** out, scree_error* error) {
+                              scree_mesh* out, scree_error* error) {
   const entry* found;
-  scree_result result = find_entry(files, paths, where, mesh, NULL, &found, error);
-  *out = found != NULL ? &found->mesh : NULL;
-  return result;
+  const scree_result result = find_entry(files, paths, where, mesh, NULL, &found, error);
+  *out = (scree_mesh){0};
+  if (result != SCREE_OK) return result;
+  const triangle_mesh* file = &found->mesh;
+  *out = mesh->pack[0] != '\0' ? found->cliff
+                               : (scree_mesh){.positions = file->positions,
+                                              .indices = file->indices,
+                                              .vertex_count = file->vertex_count,
+                                              .triangle_count = file->triangle_count};
+  out->resolution = mesh->resolution;
+  return SCREE_OK;
 }
 
 static const scene_mesh no_mesh;

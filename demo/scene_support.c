@@ -60,15 +60,7 @@ static scree_result fill_heightfield(builder* b, const scene_node* node, scree_s
 }
 
 static scree_result fill_mesh(builder* b, const scene_node* node, scree_shape* shape) {
-  const triangle_mesh* mesh;
-  scree_result result = scene_files_mesh(b->files, b->paths, b->where, &node->mesh, &mesh, b->error);
-  if (result != SCREE_OK) return result;
-  shape->mesh.positions = mesh->positions;
-  shape->mesh.indices = mesh->indices;
-  shape->mesh.vertex_count = mesh->vertex_count;
-  shape->mesh.triangle_count = mesh->triangle_count;
-  shape->mesh.resolution = node->mesh.resolution;
-  return SCREE_OK;
+  return scene_files_mesh(b->files, b->paths, b->where, &node->mesh, &shape->mesh, b->error);
 }
 
 static float* take_numbers(builder* b, size_t count) {

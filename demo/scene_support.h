@@ -36,9 +36,9 @@ typedef struct scene_files scene_files;
 scene_files* scene_files_create(void); /* NULL when memory is short */
 void scene_files_destroy(scene_files* files);
 
-/* The mesh or heights of a file, or the mesh of a cliff, owned by `files`. */
+/* The mesh of a file or of a cliff, as the shape wants it, and the heights of a file: owned by `files`. */
 scree_result scene_files_mesh(scene_files* files, const scene_paths* paths, const char* where, const scene_mesh* mesh,
-                              const triangle_mesh** out, scree_error* error);
+                              scree_mesh* out, scree_error* error);
 scree_result scene_files_heights(scene_files* files, const scene_paths* paths, const char* where, const scene_height_map* map,
                                  const height_samples** out, scree_error* error);
 

@@ -14,6 +14,8 @@ import subprocess
 import sys
 from collections import Counter
 
+from uv_cube import PLACES, SIDES, on_side
+
 try:
     import pack_reader
 except SystemExit:
@@ -23,9 +25,7 @@ BAKE, INFO, SCATTER, WORK = sys.argv[1:5]
 LATTICE = 1024
 faults = []
 
-# A cube of 2 m. Side i has the UVs (i + s) / 6, 2 t - 1, so that the range is no unit square; v runs down.
-PLACES = [(x, y, z) for z in (0, 2) for x, y in ((0, 0), (2, 0), (2, 2), (0, 2))]
-SIDES = [(3, 2, 1, 0), (4, 5, 6, 7), (0, 1, 5, 4), (2, 3, 7, 6), (0, 4, 7, 3), (1, 2, 6, 5)]
+# Side i of the cube has the UVs (i + s) / 6, 2 t - 1, so that the range is no unit square; v runs down.
 CORNERS = ((0, 0), (1, 0), (1, 1), (0, 1))
 
 
@@ -36,15 +36,6 @@ def expect(condition, what):
 
 def law(side, s, t):
     return (side + s) / 6, 2 * t - 1
-
-
-def on_side(quad, place):
-    """s, t, and how far off its plane, of a side."""
-    a, b, _, d = (PLACES[v] for v in quad)
-    offset = [p - q for p, q in zip(place, a)]
-    along, up = [p - q for p, q in zip(b, a)], [p - q for p, q in zip(d, a)]
-    s, t = (sum(p * q for p, q in zip(offset, way)) / 4 for way in (along, up))
-    return s, t, max(abs(o - s * p - t * q) for o, p, q in zip(offset, along, up))
 
 
 def run(*command):

@@ -13,6 +13,8 @@ import subprocess
 import sys
 import zlib
 
+from uv_cube import PLACES, SIDES, on_side
+
 try:
     import pack_reader
 except SystemExit:
@@ -77,11 +79,7 @@ def expect_refused(what, members, *said):
     expect(not os.path.exists(os.path.join(WORK, "refused.scree")), f"{what}: a pack was written")
 
 
-# A cube of 2 m whose sides lie in an atlas of 3 x 2, each with a border, so that every edge is a seam.
-PLACES = [(x, y, z) for z in (0, 2) for x, y in ((0, 0), (2, 0), (2, 2), (0, 2))]
-SIDES = [(3, 2, 1, 0), (4, 5, 6, 7), (0, 1, 5, 4), (2, 3, 7, 6), (0, 4, 7, 3), (1, 2, 6, 5)]
-
-
+# The sides of the cube lie in an atlas of 3 x 2, each with a border, so that every edge is a seam.
 def atlas(side, s, t, parts=None):
     """u and v, which runs down, at s, t of a side; of a file whose numbers count `parts` of 1."""
     ends = (side % 3 + 0.1) / 3, (side % 3 + 0.9) / 3, (side // 3 + 0.2) / 2, (side // 3 + 0.9) / 2
@@ -178,15 +176,6 @@ def pack_of(name, members):
 
 def mesh(file, **keys):
     return {"input": {"shape": "mesh", "file": file, **keys}}
-
-
-def on_side(quad, place):
-    """s, t, and how far off its plane, of a side."""
-    a, b, _, d = (PLACES[v] for v in quad)
-    offset = [p - q for p, q in zip(place, a)]
-    along, up = [p - q for p, q in zip(b, a)], [p - q for p, q in zip(d, a)]
-    s, t = (sum(p * q for p, q in zip(offset, way)) / 4 for way in (along, up))
-    return s, t, max(abs(o - s * p - t * q) for o, p, q in zip(offset, along, up))
 
 
 shutil.rmtree(WORK, ignore_errors=True)

@@ -148,14 +148,8 @@ static void look(const shard_weather* weather, const scree_shard_recipe* recipe,
   scree_shards_get(weather->shards, &v);
   scree_frost_get(weather->frost, &f);
   const uint32_t fallen = scree_frost_blocks(weather->frost, &blocks, &list);
-  const scree_rubble_desc desc = {.frost = weather->frost,
-                                  .ground = rules->ground,
-                                  .resolution = rules->resolution,
-                                  .repose = rules->repose,
-                                  .min_volume = rules->min_volume,
-                                  .share = rules->share,
-                                  .reach = rules->reach,
-                                  .random_seed = hash_mix(recipe->random_seed ^ UINT64_C(0x727562626c65))};
+  scree_rubble_desc desc;
+  shard_weather_rubble(weather, &desc);
   scree_rubble* rubble;
   scree_error error;
   if (scree_rubble_create(&desc, &rubble, &error) != SCREE_OK) {

@@ -21,7 +21,7 @@ typedef struct scene {
   scree_shards* shards;
   scree_shards_view view;
   uint32_t size[3];
-  uint8_t* states;
+  uint8_t *states, *rests;
   double* lives;
   frost_stability* stability;
   frost_stability_state state;
@@ -32,12 +32,18 @@ static scene make_scene(uint32_t x, uint32_t y, uint32_t z, uint64_t seed) {
   s.shards = make_lattice(s.size, seed, NULL);
   s.view = s.shards->view;
   s.states = calloc(s.view.shard_count, 1);
+  s.rests = calloc(s.view.shard_count, 1);
   s.lives = calloc(s.view.link_count, sizeof *s.lives);
-  assert_true(s.states != NULL && s.lives != NULL);
+  assert_true(s.states != NULL && s.rests != NULL && s.lives != NULL);
   for (uint32_t l = 0; l < s.view.interior_link_count; ++l) s.lives[l] = 1;
   assert_int_equal(frost_stability_create(s.shards, NULL, &s.stability), SCREE_OK);
-  s.state = (frost_stability_state){
-      .states = s.states, .lives = s.lives, .gravity = {0, -1, 0}, .density = 2600, .strength = 1e5, .compression = 10};
+  s.state = (frost_stability_state){.states = s.states,
+                                    .rests = s.rests,
+                                    .lives = s.lives,
+                                    .gravity = {0, -1, 0},
+                                    .density = 2600,
+                                    .strength = 1e5,
+                                    .compression = 10};
   return s;
 }
 
@@ -45,6 +51,7 @@ static void free_scene(scene* s) {
   frost_stability_destroy(s->stability);
   scree_shards_destroy(s->shards);
   free(s->states);
+  free(s->rests);
   free(s->lives);
 }
 
@@ -60,6 +67,7 @@ static void make_air(scene* s, uint32_t shard) {
 }
 
 static uint32_t weigh(scene* s) {
+  frost_find_rests(&s->view, s->state.gravity, s->rests);
   return frost_stability_weigh(s->stability, &s->state);
 }
 

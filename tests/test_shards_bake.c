@@ -156,6 +156,21 @@ static void blocks_lie_on_the_ground_at_y_0(void** state) {
   unbake(&it);
 }
 
+/* A ball that lies in the ground to its middle is nowhere as wide as there, and its foot is but a point. */
+static void a_footprint_is_taken_at_the_ground(void** state) {
+  (void)state;
+  static scree_shard_recipe recipe;
+  small(&recipe);
+  recipe.input.shape = SCREE_SHARD_SPHERE;
+  recipe.rubble.ground = 4;
+  recipe.path_count = 1;
+  baked it = bake(&recipe);
+  scree_model model;
+  assert_int_equal(scree_pack_get_model(it.pack, 0, &model), SCREE_OK);
+  assert_true(model.footprint > 3.8f && model.footprint < 4.05f);
+  unbake(&it);
+}
+
 static void the_pack_does_not_depend_on_threads(void** state) {
   (void)state;
   static scree_shard_recipe recipe;
@@ -574,6 +589,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_pack_holds_times_and_blocks_as_the_recipe_says),
       cmocka_unit_test(blocks_lie_on_the_ground_at_y_0),
+      cmocka_unit_test(a_footprint_is_taken_at_the_ground),
       cmocka_unit_test(the_pack_does_not_depend_on_threads),
       cmocka_unit_test(what_falls_is_gone_where_the_recipe_says_so),
       cmocka_unit_test(blocks_too_thin_for_the_lattice_are_dust),

@@ -133,9 +133,9 @@ SCREE_API scree_result scree_frost_run(scree_frost* frost, double share, uint64_
 
 /* Edits between steps. A shard made air is gone, not fallen; of the parts that it leaves, those without core fall where others have
  * some, else all but the one of most shards, of equal ones that with the lowest. Air made solid or core stands again, out of the
- * block that it fell in, with the links it has to what stands whole again; where it
- * does not hang together with what holds, it falls at once: build from the core, and give several bodies their core at creation,
- * for with the first core what has none falls. Returns SCREE_OK or INVALID_ARGUMENT. */
+ * block that it fell in, with the links it has to what stands whole again; where it does not hang together with what holds, it
+ * falls at once: build from the core, and give several bodies their core at creation, for with the first core what has none falls.
+ * Returns SCREE_OK or INVALID_ARGUMENT. */
 SCREE_API scree_result scree_frost_set_shard(scree_frost* frost, uint32_t shard, scree_shard_state state);
 /* life: 0..1 of an interior link; 0 breaks it as water would, more needs rock on both sides. Returns as above. */
 SCREE_API scree_result scree_frost_set_life(scree_frost* frost, uint32_t link, double life);
@@ -184,9 +184,8 @@ SCREE_API uint32_t scree_frost_last_path(const scree_frost* frost, uint32_t* lin
  */
 SCREE_API uint32_t scree_frost_check_stability(const scree_frost* frost);
 
-/* A copy of the state to come back to, the random stream included; rules are not part of it: under
- * other ones, what they do not hold falls with the next step or edit. Destroy snapshots before the
- * simulation. */
+/* A copy of the state to come back to, the random stream included; rules are not part of it: under other ones, what they do not
+ * hold falls with the next step or edit. Destroy snapshots before the simulation. */
 typedef struct scree_frost_snapshot scree_frost_snapshot;
 SCREE_API scree_result scree_frost_save(const scree_frost* frost, scree_frost_snapshot** out);
 SCREE_API void scree_frost_restore(scree_frost* frost, const scree_frost_snapshot* snapshot);

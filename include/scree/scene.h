@@ -6,7 +6,8 @@
  * scaled; its position is where it stands, and boxes that ask for the centres of home cells ask for that.
  *
  * Where layers overlap, the earlier wins: a rock of a later layer whose hull meets the hull of a kept rock of an earlier one is
- * dropped. "Kept" looks at supports, filters and earlier layers only, never at edits, so that an edit changes no rock but its own.
+ * dropped; only what stands of a cliff (cliff.h) is not. "Kept" looks at supports, filters and earlier layers only, never at edits,
+ * so that an edit changes no rock but its own.
  *
  * A scene keeps pointers to its fields, scatters and supports, which must outlive it; filters are copied. It is immutable and may
  * be shared between threads. To change a scene, make another (it costs microseconds) and hand that to the streams. */

@@ -134,7 +134,7 @@ typedef struct scree_shards_desc {
 } scree_shards_desc;
 
 /* Splits a solid. Every shard is checked: area vectors sum to 0, no volume is negative, volumes sum to the solid's; where a check
- * fails the seeds are moved by 1e-6 of their spacing and all is done again, up to 8 times.
+ * fails the seeds are moved, see `seeds`, and all is done again, up to 8 times, each time moved farther.
  * Returns SCREE_OK, INVALID_ARGUMENT, RANGE, NOT_CLOSED, CANCELLED, OUT_OF_MEMORY, or UNSUPPORTED: the solid crosses itself, so
  * that no closed shards exist; the error says where. error: may be NULL. Crossings are looked for only where cells do not fit
  * together, for looking takes about as long as cutting; few seeds can miss one: scree_solid_check does not. */

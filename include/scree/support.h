@@ -83,8 +83,8 @@ typedef struct scree_heightfield {
 } scree_heightfield;
 
 /* A closed triangle mesh: each edge used as often in one direction as in the other, more than once where parts touch along it;
- * volume > 0; overlapping parts unite. Distances are interpolated
- * between the samples of a grid, so that details finer than its cells are rounded off. */
+ * volume > 0; overlapping parts unite. Distances are interpolated between the samples of a grid, so that details finer than its
+ * cells are rounded off. */
 typedef struct scree_mesh {
   const float* positions;  /* 3 * vertex_count; copied */
   const uint32_t* indices; /* 3 * triangle_count, counter-clockwise from outside */
