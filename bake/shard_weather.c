@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "convex_walls.h"
 #include "lattice.h"
 #include "recipe_text.h"
 #include "shard_keys.h"
@@ -16,6 +17,20 @@ uint32_t shard_times(const scree_shard_recipe* recipe) {
 static scree_result tell(scree_result result, const char* where, const scree_error* fault, scree_error* error) {
   if (result != SCREE_OK && fault->message[0] != '\0') recipe_say(error, "%s: %.400s", where, fault->message);
   return result;
+}
+
+/* Packs keep the solid's own triangles: walls cut by themselves only where each plane is one triangle. */
+static scree_result choose_clip(const scree_shard_desc* desc, const scree_solid* solid, scree_clip* clip) {
+  *clip = desc->recipe->clip;
+  if (*clip != SCREE_CLIP_AUTO) return SCREE_OK;
+  const scree_allocator allocator = scree_rt_allocator_or_default(&desc->allocator);
+  convex_walls walls;
+  const scree_result result =
+      convex_walls_create(solid->positions, solid->vertex_count, solid->indices, solid->triangle_count, &allocator, &walls, NULL);
+  if (result != SCREE_OK) return result;
+  if (walls.wall_count < solid->triangle_count) *clip = SCREE_CLIP_MESH;
+  convex_walls_free(&walls, &allocator);
+  return SCREE_OK;
 }
 
 static scree_result split(shard_weather* weather, const scree_solid* solid,
@@ -33,16 +48,19 @@ static scree_result split(shard_weather* weather, const scree_solid* solid,
     }
     pattern.count = count >= 1 ? (uint32_t)count : 1;
   }
+  scree_clip clip;
+  scree_result result = choose_clip(desc, solid, &clip);
+  if (result != SCREE_OK) return result;
   double* seeds = NULL;
   uint32_t count = 0;
-  scree_result result = scree_seeds_create(&pattern, solid, &desc->allocator, &seeds, &count, &fault);
+  result = scree_seeds_create(&pattern, solid, &desc->allocator, &seeds, &count, &fault);
   if (result != SCREE_OK) return tell(result, "seeds", &fault, error);
   const scree_shards_desc shards = {.solid = *solid,
                                     .seeds = seeds,
                                     .seed_count = count,
                                     .stretch = recipe->seeds.stretch,
                                     .up = recipe->seeds.up,
-                                    .clip = recipe->clip,
+                                    .clip = clip,
                                     .link_angle = recipe->link_angle,
                                     .jobs = desc->jobs,
                                     .allocator = desc->allocator,

@@ -171,6 +171,40 @@ static void a_footprint_is_taken_at_the_ground(void** state) {
   unbake(&it);
 }
 
+static const double tetrahedron[12] = {-1, 0, -1, 1, 0, -1, 0, 0, 1, 0, 2, 0};
+static const uint32_t tetrahedron_sides[12] = {0, 1, 2, 0, 3, 1, 1, 3, 2, 2, 3, 0};
+
+static uint32_t finest_triangles(const baked* it, uint32_t asset) {
+  scree_lod level;
+  assert_int_equal(scree_pack_get_lod(it->pack, asset, 0, &level), SCREE_OK);
+  return level.triangles;
+}
+
+/* Two triangles a side of a box, whatever cells lie under them; where each plane is one triangle, walls lose none. */
+static void a_whole_convex_solid_is_its_own_triangles(void** state) {
+  (void)state;
+  static scree_shard_recipe recipe;
+  small(&recipe);
+  recipe.path_count = 1;
+  const scree_solid pyramid = {.positions = tetrahedron, .indices = tetrahedron_sides, .vertex_count = 4, .triangle_count = 4};
+  for (scree_clip clip = SCREE_CLIP_AUTO; clip <= SCREE_CLIP_MESH; ++clip) {
+    recipe.clip = clip;
+    recipe.input.shape = SCREE_SHARD_BOX;
+    memcpy(recipe.input.size, (const double[3]){3, 4, 5}, sizeof recipe.input.size);
+    baked it = bake(&recipe);
+    if (clip == SCREE_CLIP_WALLS)
+      assert_true(finest_triangles(&it, 0) > 12);
+    else
+      assert_int_equal(finest_triangles(&it, 0), 12);
+    unbake(&it);
+    recipe.input.shape = SCREE_SHARD_MESH;
+    strcpy(recipe.input.file, "pyramid.obj");
+    it = bake_with(&(scree_shard_desc){.recipe = &recipe, .mesh = &pyramid});
+    assert_int_equal(finest_triangles(&it, 0), 4);
+    unbake(&it);
+  }
+}
+
 static void the_pack_does_not_depend_on_threads(void** state) {
   (void)state;
   static scree_shard_recipe recipe;
@@ -386,9 +420,6 @@ static void every_shape_is_closed_and_has_its_volume(void** state) {
   assert_true(round > flat * 1.2);
 }
 
-static const double tetrahedron[12] = {-1, 0, -1, 1, 0, -1, 0, 0, 1, 0, 2, 0};
-static const uint32_t tetrahedron_sides[12] = {0, 1, 2, 0, 3, 1, 1, 3, 2, 2, 3, 0};
-
 static void what_recipes_name_comes_with_the_call(void** state) {
   (void)state;
   static scree_shard_recipe recipe;
@@ -590,6 +621,7 @@ int main(void) {
       cmocka_unit_test(a_pack_holds_times_and_blocks_as_the_recipe_says),
       cmocka_unit_test(blocks_lie_on_the_ground_at_y_0),
       cmocka_unit_test(a_footprint_is_taken_at_the_ground),
+      cmocka_unit_test(a_whole_convex_solid_is_its_own_triangles),
       cmocka_unit_test(the_pack_does_not_depend_on_threads),
       cmocka_unit_test(what_falls_is_gone_where_the_recipe_says_so),
       cmocka_unit_test(blocks_too_thin_for_the_lattice_are_dust),
