@@ -478,6 +478,7 @@ static void fill_report(const shard_bake* bake, size_t size, double seconds, scr
   out->paths = last->paths;
   out->breaks = last->breaks;
   out->share = last->volume / last->start_volume;
+  out->idle_states = bake->weather.idle_states;
 }
 
 static void release(shard_bake* bake) {

@@ -27,7 +27,7 @@ static const char usage[] =
     "      --report FILE    write rocks, models or assets, triangles, bytes, digest and seconds by stage as JSON; - is standard\n"
     "                       output\n"
     "      --print-recipe   print the recipe with every key and its value, and stop\n"
-    "  -q, --quiet          no progress, no summary\n"
+    "  -q, --quiet          no progress, no summary; warnings are said\n"
     "      --help, --version\n"
     "\n"
     "The keys of a recipe are described in content/schema: recipe.schema.json, hoodoo.schema.json, shards.schema.json.\n"
@@ -350,6 +350,10 @@ int main(int count, char** arguments) {
   if (terminal) fprintf(stderr, "\r%*s\r", 60, "");
   if (result != SCREE_OK)
     return fail(is_mistake(result) ? 2 : 1, given.recipe, error.message[0] != '\0' ? error.message : scree_result_string(result));
+
+  for (uint32_t s = 0; s < SCREE_SHARD_REGIONS && pack.has_shards; ++s)
+    if (pack.shards.idle_states >> s & 1)
+      fprintf(stderr, "scree-bake: %s: warning: states[%u]: no shard lies there\n", given.recipe, s);
 
   int exit_status = 0;
   if (!write_file(given.output, pack.bytes, pack.size, &error)) exit_status = fail_with_file(1, &error);

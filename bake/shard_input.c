@@ -290,12 +290,17 @@ static bool is_within(const scree_shards_view* view, const scree_shard* shard, c
   return false;
 }
 
-void scree_shard_states(const scree_shard_recipe* recipe, const scree_shards* shards, uint8_t* states) {
+uint32_t scree_shard_states(const scree_shard_recipe* recipe, const scree_shards* shards, uint8_t* states) {
   scree_shards_view view;
   scree_shards_get(shards, &view);
+  uint32_t idle = (UINT32_C(1) << recipe->state_count) - 1;
   for (uint32_t s = 0; s < view.shard_count; ++s) {
     states[s] = SCREE_SHARD_SOLID;
-    for (uint32_t r = 0; r < recipe->state_count; ++r)
-      if (is_within(&view, &view.shards[s], &recipe->states[r])) states[s] = (uint8_t)recipe->states[r].state;
+    for (uint32_t r = 0; r < recipe->state_count; ++r) {
+      if (!is_within(&view, &view.shards[s], &recipe->states[r])) continue;
+      states[s] = (uint8_t)recipe->states[r].state;
+      idle &= ~(UINT32_C(1) << r);
+    }
   }
+  return idle;
 }

@@ -33,6 +33,27 @@ static scree_result choose_clip(const scree_shard_desc* desc, const scree_solid*
   return SCREE_OK;
 }
 
+/* Points that are all beside the solid leave it nearly whole: a mistake of units or of the place. */
+static scree_result check_points(const scree_seed_pattern* pattern, const scree_solid* solid, scree_error* error) {
+  double low[3], high[3];
+  memcpy(low, solid->positions, sizeof low);
+  memcpy(high, solid->positions, sizeof high);
+  for (size_t i = 3; i < 3 * (size_t)solid->vertex_count; ++i) {
+    const double at = solid->positions[i];
+    if (at < low[i % 3]) low[i % 3] = at;
+    if (at > high[i % 3]) high[i % 3] = at;
+  }
+  for (uint32_t i = 0; i < pattern->point_count; ++i) {
+    bool within = true;
+    for (uint32_t a = 0; a < 3; ++a)
+      within = within && pattern->points[3 * (size_t)i + a] >= low[a] && pattern->points[3 * (size_t)i + a] <= high[a];
+    if (within) return SCREE_OK;
+  }
+  recipe_say(error, "seeds.points: none of %u lies in the box of the input, (%g, %g, %g) .. (%g, %g, %g) m", pattern->point_count,
+             low[0], low[1], low[2], high[0], high[1], high[2]);
+  return SCREE_ERROR_RANGE;
+}
+
 static scree_result split(shard_weather* weather, const scree_solid* solid,
                           bool (*progress)(void* user, const char* stage, double done), void* user, scree_error* error) {
   const scree_shard_desc* desc = weather->desc;
@@ -49,7 +70,8 @@ static scree_result split(shard_weather* weather, const scree_solid* solid,
     pattern.count = count >= 1 ? (uint32_t)count : 1;
   }
   scree_clip clip;
-  scree_result result = choose_clip(desc, solid, &clip);
+  scree_result result = pattern.kind == SCREE_SEEDS_POINTS ? check_points(&pattern, solid, error) : SCREE_OK;
+  if (result == SCREE_OK) result = choose_clip(desc, solid, &clip);
   if (result != SCREE_OK) return result;
   double* seeds = NULL;
   uint32_t count = 0;
@@ -111,7 +133,7 @@ scree_result shard_weather_start(shard_weather* weather, scree_error* error) {
   scree_shards_get(weather->shards, &view);
   uint8_t* states = scree_rt_allocate(&allocator, view.shard_count, 1);
   if (states == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
-  scree_shard_states(desc->recipe, weather->shards, states);
+  weather->idle_states = scree_shard_states(desc->recipe, weather->shards, states);
   scree_frost_desc frost = {.shards = weather->shards,
                             .states = states,
                             .random_seed = hash_mix(desc->recipe->random_seed ^ UINT64_C(0x66726f7374)),

@@ -10,6 +10,7 @@ typedef struct shard_weather {
   scree_frost* frost;
   scree_shard_rules rules; /* that hold now */
   uint32_t next_phase;
+  uint32_t idle_states; /* of scree_shard_states */
 } shard_weather;
 
 /* How many times the recipe keeps. */

@@ -250,6 +250,10 @@ expect_refused("UVs that are whole numbers", mesh("not_normal.glb"), "input.file
 run = bake("huge_made_anew", mesh("huge.obj", resolution=16))
 expect(run.returncode == 0, f"UVs that remeshing drops: {run.stderr!r}")
 
+run = bake("idle", {"states": [{"where": "base"}, {"where": "box", "min": [0, 900, 0], "max": [1, 901, 1]}]})
+expect(run.returncode == 0 and "idle.json: warning: states[1]: no shard lies there" in run.stderr and run.stderr.count("\n") == 1,
+       f"a region without shards: {run.stderr!r}")
+
 run = subprocess.run([BAKE, os.path.join(WORK, "mesh.json"), "--print-recipe", "--set", "seeds.count=7"], capture_output=True,
                      text=True, check=False)
 expect(run.returncode == 0 and json.loads(run.stdout)["seeds"]["count"] == 7, f"--set: {run.stderr!r}")

@@ -514,7 +514,7 @@ static void regions_say_what_is_core_later_ones_over_earlier_ones(void** state) 
   memcpy(recipe.states, regions, sizeof regions);
   recipe.state_count = sizeof regions / sizeof *regions;
   uint8_t states[48];
-  scree_shard_states(&recipe, shards, states);
+  assert_int_equal(scree_shard_states(&recipe, shards, states), 0);
   for (uint32_t s = 0; s < 48; ++s) {
     const uint32_t i = view.shards[s].seed, x = i % 4, y = i / 4 % 3, z = i / 12;
     scree_shard_state expected = y == 1 ? SCREE_SHARD_SOLID : SCREE_SHARD_AIR; /* base, box, half-space */
@@ -528,6 +528,13 @@ static void regions_say_what_is_core_later_ones_over_earlier_ones(void** state) 
   uint32_t core = 0;
   for (uint32_t s = 0; s < 48; ++s) core += states[s] == SCREE_SHARD_CORE;
   assert_int_equal(core, 44);
+  /* Where no shard lies is told, also where others speak later. */
+  recipe.states[1] = (scree_shard_region){.where = SCREE_SHARD_IN_SPHERE, .centre = {0, 5000, 0}, .radius = 20};
+  recipe.states[2] = (scree_shard_region){.where = SCREE_SHARD_ALL};
+  recipe.state_count = 3;
+  assert_int_equal(scree_shard_states(&recipe, shards, states), 2);
+  recipe.state_count = 0;
+  assert_int_equal(scree_shard_states(&recipe, shards, states), 0);
   scree_shards_destroy(shards);
   scree_solid_free(NULL, &solid);
 }
@@ -556,6 +563,9 @@ static void what_cannot_be_baked_is_said(void** state) {
   REFUSED((recipe.states[0].where = SCREE_SHARD_ALL, recipe.states[0].state = SCREE_SHARD_AIR), INVALID_ARGUMENT,
           "paths[0]: nothing stands after 0 paths");
   REFUSED(recipe.rules.frost.resistance.kind = SCREE_RESISTANCE_FUNCTION, INVALID_ARGUMENT, "resistance.kind");
+  REFUSED((recipe.seeds.kind = SCREE_SEEDS_POINTS, recipe.seeds.point_count = 2, recipe.seeds.points[0][1] = 2000,
+           recipe.seeds.points[1][0] = 4.5),
+          RANGE, "seeds.points: none of 2 lies in the box of the input, (-3.60388, 0, -3.89971) .. (4, 5, 3.89971) m");
   REFUSED((recipe.seeds.count = 0, recipe.seeds.spacing = 0.001), RANGE, "seeds.spacing: 0.001 metres make");
 #undef REFUSED
 }

@@ -200,15 +200,17 @@ SCREE_API void scree_shard_seeds_view(const scree_shard_recipe* recipe, scree_se
 /* The rules by reference: `out` points into `rules` and at what `desc` gives. */
 SCREE_API void scree_shard_rules_view(const scree_shard_desc* desc, const scree_shard_rules* rules, scree_frost_rules* out);
 
-/* What each shard is at first, by the regions. states: as many as there are shards. */
-SCREE_API void scree_shard_states(const scree_shard_recipe* recipe, const scree_shards* shards, uint8_t* states);
+/* What each shard is at first, by the regions. states: as many as there are shards. Returns a bit for each region in which no shard
+ * lies, the lowest for the first: a place that is not where the recipe's writer thought. */
+SCREE_API uint32_t scree_shard_states(const scree_shard_recipe* recipe, const scree_shards* shards, uint8_t* states);
 
 typedef struct scree_shard_report {
   scree_bake_report bake; /* rocks = assets: what stands at each time, and blocks */
   uint32_t shards, interior_links, exterior_links;
   uint32_t times, blocks, placements; /* blocks that are assets, and how often they lie somewhere */
   uint64_t paths, breaks;
-  double share; /* of the volume that stands at the last time */
+  double share;         /* of the volume that stands at the last time */
+  uint32_t idle_states; /* of scree_shard_states: regions of the recipe that say nothing about any shard */
 } scree_shard_report;
 
 /* Splits, weathers and packs. The pack is of kind SCREE_PACK_CLIFF: per time what stands, and the blocks that fell with their
