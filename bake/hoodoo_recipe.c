@@ -1,5 +1,5 @@
-/* Recipes of hoodoos: the tables of keys, defaults, and the rules between keys. The reader and the writer go by the tables
- * (hoodoo_text.c), so that they cannot disagree; content/schema/hoodoo.schema.json is held against them by a test. */
+/* Recipes of hoodoos: the tables of keys, defaults, and the rules between keys; content/schema/hoodoo.schema.json is held against
+ * the tables by a test. */
 #include "hoodoo_recipe.h"
 
 #include <string.h>
@@ -8,98 +8,118 @@
 
 #define SHAPE(name) (1u << SCREE_HOODOO_##name)
 
-static const hoodoo_key point_keys[] = {
-    {"altitude", HOODOO_NUMBER, offsetof(scree_durability_point, altitude), 0, 1, NULL, NULL, 0},
-    {"durability", HOODOO_NUMBER, offsetof(scree_durability_point, durability), 1e-3, 1e6, NULL, NULL, 0},
-    {"noise", HOODOO_NUMBER, offsetof(scree_durability_point, noise_amplitude), 0, 4, NULL, NULL, 0},
-    {"period", HOODOO_NUMBER, offsetof(scree_durability_point, noise_period), 1, 1e4, NULL, NULL, 0},
-    {"squash", HOODOO_NUMBER, offsetof(scree_durability_point, noise_squash), 0.1, 100, NULL, NULL, 0},
+static const recipe_key point_keys[] = {
+    {"altitude", RECIPE_NUMBER, KEY_AT(scree_durability_point, altitude), KEY_ENDS(0, 1)},
+    {"durability", RECIPE_NUMBER, KEY_AT(scree_durability_point, durability), KEY_ENDS(1e-3, 1e6)},
+    {"noise", RECIPE_NUMBER, KEY_AT(scree_durability_point, noise_amplitude), KEY_ENDS(0, 4)},
+    {"period", RECIPE_NUMBER, KEY_AT(scree_durability_point, noise_period), KEY_ENDS(1, 1e4)},
+    {"squash", RECIPE_NUMBER, KEY_AT(scree_durability_point, noise_squash), KEY_ENDS(0.1, 100)},
     {0},
 };
 
-static const hoodoo_key bubble_keys[] = {
-    {"kind", HOODOO_CHOICE, offsetof(scree_bubble, kind), 0, 3, "sphere ellipsoid gumdrop disc", NULL, 0},
-    {"radius", HOODOO_NUMBER, offsetof(scree_bubble, radius), 1, 12, NULL, NULL, 0},
-    {"height", HOODOO_NUMBER, offsetof(scree_bubble, height), 1, 12, NULL, NULL, 0},
+static const recipe_key bubble_keys[] = {
+    {"kind", RECIPE_CHOICE, KEY_AT(scree_bubble, kind), KEY_ENDS(0, 3), .words = "sphere ellipsoid gumdrop disc"},
+    {"radius", RECIPE_NUMBER, KEY_AT(scree_bubble, radius), KEY_ENDS(1, 12)},
+    {"height", RECIPE_NUMBER, KEY_AT(scree_bubble, height), KEY_ENDS(1, 12)},
     {0},
 };
 
-static const hoodoo_key segment_keys[] = {
-    {"altitude", HOODOO_NUMBER, offsetof(scree_bubble_segment, altitude), 0, 1, NULL, NULL, 0},
-    {"mixture", HOODOO_MIXTURE, 0, 1, 4, NULL, bubble_keys, 0},
-    {"period", HOODOO_NUMBER, offsetof(scree_bubble_segment, noise_period), 1, 1e4, NULL, NULL, 0},
+static const scree_bubble default_bubble = {SCREE_BUBBLE_SPHERE, 4, 4};
+
+static const recipe_key segment_keys[] = {
+    {"altitude", RECIPE_NUMBER, KEY_AT(scree_bubble_segment, altitude), KEY_ENDS(0, 1)},
+    {"mixture", RECIPE_LIST, KEY_AT(scree_bubble_segment, bubbles), .members = bubble_keys, .blank = &default_bubble,
+     .count_at = offsetof(scree_bubble_segment, bubble_count), .stride = sizeof(scree_bubble), .least = 1, .size = 4,
+     .of = "bubbles", .alone = true},
+    {"period", RECIPE_NUMBER, KEY_AT(scree_bubble_segment, noise_period), KEY_ENDS(1, 1e4)},
     {0},
 };
 
-static const hoodoo_key curve_keys[] = {
-    {"curve", HOODOO_CHOICE, offsetof(scree_curve, kind), 0, 4, "none linear cubic quartic saturating", NULL, 0},
-    {"gain", HOODOO_NUMBER, offsetof(scree_curve, gain), 0, 1000, NULL, NULL, 0},
-    {"threshold", HOODOO_NUMBER, offsetof(scree_curve, threshold), -1, 1, NULL, NULL, 0},
-    {"saturation", HOODOO_NUMBER, offsetof(scree_curve, saturation), 1e-3, 2, NULL, NULL, 0},
-    {"power", HOODOO_COUNT, offsetof(scree_curve, power), 1, 4, NULL, NULL, 0},
+static const recipe_key curve_keys[] = {
+    {"curve", RECIPE_CHOICE, KEY_AT(scree_curve, kind), KEY_ENDS(0, 4), .words = "none linear cubic quartic saturating"},
+    {"gain", RECIPE_NUMBER, KEY_AT(scree_curve, gain), KEY_ENDS(0, 1000)},
+    {"threshold", RECIPE_NUMBER, KEY_AT(scree_curve, threshold), KEY_ENDS(-1, 1)},
+    {"saturation", RECIPE_NUMBER, KEY_AT(scree_curve, saturation), KEY_ENDS(1e-3, 2)},
+    {"power", RECIPE_COUNT, KEY_AT(scree_curve, power), KEY_ENDS(1, 4)},
     {0},
 };
 
-static const hoodoo_key colluvium_keys[] = {
-    {"share", HOODOO_NUMBER, offsetof(scree_hoodoo_rules, colluvium_share), 0, 1, NULL, NULL, 0},
-    {"durability", HOODOO_NUMBER, offsetof(scree_hoodoo_rules, colluvium_durability), 1e-3, 1e6, NULL, NULL, 0},
-    {"repose", HOODOO_NUMBER, offsetof(scree_hoodoo_rules, repose), 0.0625, 4, NULL, NULL, 0},
+static const recipe_key colluvium_keys[] = {
+    {"share", RECIPE_NUMBER, KEY_AT(scree_hoodoo_rules, colluvium_share), KEY_ENDS(0, 1)},
+    {"durability", RECIPE_NUMBER, KEY_AT(scree_hoodoo_rules, colluvium_durability), KEY_ENDS(1e-3, 1e6)},
+    {"repose", RECIPE_NUMBER, KEY_AT(scree_hoodoo_rules, repose), KEY_ENDS(0.0625, 4)},
     {0},
 };
 
-const hoodoo_key hoodoo_rule_keys[] = {
-    {"durability", HOODOO_DURABILITY, 0, 1, SCREE_HOODOO_POINTS, NULL, point_keys, 0},
-    {"bubbles", HOODOO_BUBBLES, 0, 1, SCREE_HOODOO_SEGMENTS, NULL, segment_keys, 0},
-    {"spheroidal", HOODOO_OBJECT, offsetof(scree_hoodoo_rules, spheroidal), 0, 0, NULL, curve_keys, 0},
-    {"cavernous", HOODOO_OBJECT, offsetof(scree_hoodoo_rules, cavernous), 0, 0, NULL, curve_keys, 0},
-    {"exposure", HOODOO_NUMBER, offsetof(scree_hoodoo_rules, exposure), 0, 2, NULL, NULL, 0},
-    {"steps_per_voxel", HOODOO_NUMBER, offsetof(scree_hoodoo_rules, steps_per_voxel), 1, 1e4, NULL, NULL, 0},
-    {"colluvium", HOODOO_OBJECT, 0, 0, 0, NULL, colluvium_keys, 0},
-    {"rockfall", HOODOO_CHOICE, offsetof(scree_hoodoo_rules, rockfall), 0, 2, "none drop colluvium", NULL, 0},
+/* What short rows and objects leave out; a curve of cavities that is given is no straight one. */
+static const scree_durability_point default_point = {0, 1, 0, 16, 1};
+static const scree_bubble_segment default_segment = {
+    .bubbles = {{SCREE_BUBBLE_SPHERE, 4, 4}}, .bubble_count = 1, .noise_period = 16};
+static const scree_curve default_cavernous = {SCREE_CURVE_SATURATING, 1, 0, 1, 1};
+
+static const recipe_key rule_keys[] = {
+    {"durability", RECIPE_ROWS, KEY_AT(scree_hoodoo_rules, durability), .members = point_keys, .blank = &default_point,
+     .count_at = offsetof(scree_hoodoo_rules, durability_count), .stride = sizeof(scree_durability_point), .least = 1,
+     .size = SCREE_HOODOO_POINTS, .columns = 2, .of = "points"},
+    {"bubbles", RECIPE_LIST, KEY_AT(scree_hoodoo_rules, bubbles), .members = segment_keys, .blank = &default_segment,
+     .count_at = offsetof(scree_hoodoo_rules, bubble_count), .stride = sizeof(scree_bubble_segment), .least = 1,
+     .size = SCREE_HOODOO_SEGMENTS, .of = "segments"},
+    {"spheroidal", RECIPE_OBJECT, KEY_AT(scree_hoodoo_rules, spheroidal), .members = curve_keys},
+    {"cavernous", RECIPE_OBJECT, KEY_AT(scree_hoodoo_rules, cavernous), .members = curve_keys, .blank = &default_cavernous},
+    {"exposure", RECIPE_NUMBER, KEY_AT(scree_hoodoo_rules, exposure), KEY_ENDS(0, 2)},
+    {"steps_per_voxel", RECIPE_NUMBER, KEY_AT(scree_hoodoo_rules, steps_per_voxel), KEY_ENDS(1, 1e4)},
+    {"colluvium", RECIPE_OBJECT, .members = colluvium_keys},
+    {"rockfall", RECIPE_CHOICE, KEY_AT(scree_hoodoo_rules, rockfall), KEY_ENDS(0, 2), .words = "none drop colluvium"},
     {0},
 };
 
-static const hoodoo_key start_keys[] = {
-    {"shape", HOODOO_CHOICE, offsetof(scree_hoodoo_start, shape), 0, 7, "box column joint_map joints sphere cylinder cone mesh",
-     NULL, 0},
-    {"min", HOODOO_COUNTS, offsetof(scree_hoodoo_start, min), 0, 4096, NULL, NULL, SHAPE(BOX) | SHAPE(JOINTS)},
-    {"max", HOODOO_COUNTS, offsetof(scree_hoodoo_start, max), 0, 4096, NULL, NULL, SHAPE(BOX) | SHAPE(JOINTS)},
-    {"radius", HOODOO_NUMBER, offsetof(scree_hoodoo_start, radius), 1, 4096, NULL, NULL,
-     SHAPE(COLUMN) | SHAPE(SPHERE) | SHAPE(CYLINDER) | SHAPE(CONE)},
-    {"height", HOODOO_NUMBER, offsetof(scree_hoodoo_start, height), 0, 4096, NULL, NULL,
-     SHAPE(COLUMN) | SHAPE(CYLINDER) | SHAPE(CONE)},
-    {"lift", HOODOO_NUMBER, offsetof(scree_hoodoo_start, lift), 0, 4096, NULL, NULL, SHAPE(SPHERE) | SHAPE(CYLINDER) | SHAPE(CONE)},
-    {"lobes", HOODOO_NUMBER, offsetof(scree_hoodoo_start, lobes), 0, 2, NULL, NULL, SHAPE(COLUMN)},
-    {"spacing", HOODOO_NUMBER, offsetof(scree_hoodoo_start, spacing), 4, 4096, NULL, NULL, SHAPE(JOINTS)},
-    {"gap", HOODOO_NUMBER, offsetof(scree_hoodoo_start, gap), 0, 0.5, NULL, NULL, SHAPE(JOINTS)},
-    {"warp", HOODOO_NUMBER, offsetof(scree_hoodoo_start, warp), 0, 1, NULL, NULL, SHAPE(JOINTS)},
-    {"missing", HOODOO_NUMBER, offsetof(scree_hoodoo_start, missing), 0, 1, NULL, NULL, SHAPE(JOINTS)},
-    {"low", HOODOO_NUMBER, offsetof(scree_hoodoo_start, low), 0, 1, NULL, NULL, SHAPE(JOINTS)},
-    {"file", HOODOO_TEXT, offsetof(scree_hoodoo_start, file), 0, 255, NULL, NULL, SHAPE(JOINT_MAP) | SHAPE(MESH)},
+static const recipe_key start_keys[] = {
+    {"shape", RECIPE_CHOICE, KEY_AT(scree_hoodoo_start, shape), KEY_ENDS(0, 7),
+     .words = "box column joint_map joints sphere cylinder cone mesh"},
+    {"min", RECIPE_COUNTS, KEY_AT(scree_hoodoo_start, min), KEY_ENDS(0, 4096), .size = 3, .only = SHAPE(BOX) | SHAPE(JOINTS)},
+    {"max", RECIPE_COUNTS, KEY_AT(scree_hoodoo_start, max), KEY_ENDS(0, 4096), .size = 3, .only = SHAPE(BOX) | SHAPE(JOINTS)},
+    {"radius", RECIPE_NUMBER, KEY_AT(scree_hoodoo_start, radius), KEY_ENDS(1, 4096),
+     .only = SHAPE(COLUMN) | SHAPE(SPHERE) | SHAPE(CYLINDER) | SHAPE(CONE)},
+    {"height", RECIPE_NUMBER, KEY_AT(scree_hoodoo_start, height), KEY_ENDS(0, 4096),
+     .only = SHAPE(COLUMN) | SHAPE(CYLINDER) | SHAPE(CONE)},
+    {"lift", RECIPE_NUMBER, KEY_AT(scree_hoodoo_start, lift), KEY_ENDS(0, 4096),
+     .only = SHAPE(SPHERE) | SHAPE(CYLINDER) | SHAPE(CONE)},
+    {"lobes", RECIPE_NUMBER, KEY_AT(scree_hoodoo_start, lobes), KEY_ENDS(0, 2), .only = SHAPE(COLUMN)},
+    {"spacing", RECIPE_NUMBER, KEY_AT(scree_hoodoo_start, spacing), KEY_ENDS(4, 4096), .only = SHAPE(JOINTS)},
+    {"gap", RECIPE_NUMBER, KEY_AT(scree_hoodoo_start, gap), KEY_ENDS(0, 0.5), .only = SHAPE(JOINTS)},
+    {"warp", RECIPE_NUMBER, KEY_AT(scree_hoodoo_start, warp), KEY_ENDS(0, 1), .only = SHAPE(JOINTS)},
+    {"missing", RECIPE_NUMBER, KEY_AT(scree_hoodoo_start, missing), KEY_ENDS(0, 1), .only = SHAPE(JOINTS)},
+    {"low", RECIPE_NUMBER, KEY_AT(scree_hoodoo_start, low), KEY_ENDS(0, 1), .only = SHAPE(JOINTS)},
+    {"file", RECIPE_TEXT, KEY_AT(scree_hoodoo_start, file), KEY_ENDS(0, 255), .only = SHAPE(JOINT_MAP) | SHAPE(MESH)},
     {0},
 };
 
 /* When a phase begins; the keys of rules come on top. */
-static const hoodoo_key phase_keys[] = {
-    {"share", HOODOO_NUMBER, offsetof(scree_hoodoo_phase, share), 0, 1, NULL, NULL, 0},
-    {"steps", HOODOO_COUNT, offsetof(scree_hoodoo_phase, steps), 0, 1e6, NULL, NULL, 0},
+static const recipe_key phase_keys[] = {
+    {"share", RECIPE_NUMBER, KEY_AT(scree_hoodoo_phase, share), KEY_ENDS(0, 1)},
+    {"steps", RECIPE_COUNT, KEY_AT(scree_hoodoo_phase, steps), KEY_ENDS(0, 1e6)},
     {0},
 };
 
-const hoodoo_key hoodoo_keys[] = {
-    {"name", HOODOO_TEXT, offsetof(scree_hoodoo_recipe, name), 0, 63, NULL, NULL, 0},
-    {"random_seed", HOODOO_SEED, offsetof(scree_hoodoo_recipe, random_seed), 0, 9007199254740992.0, NULL, NULL, 0},
-    {"voxel", HOODOO_NUMBER, offsetof(scree_hoodoo_recipe, voxel), 0.001, 100, NULL, NULL, 0},
-    {"size", HOODOO_COUNTS, offsetof(scree_hoodoo_recipe, size), 1, 4096, NULL, NULL, 0},
-    {"start", HOODOO_OBJECT, offsetof(scree_hoodoo_recipe, start), 0, 0, NULL, start_keys, 0},
-    {"phases", HOODOO_PHASES, 0, 0, SCREE_HOODOO_PHASES, NULL, phase_keys, 0},
-    {"variants", HOODOO_COUNT, offsetof(scree_hoodoo_recipe, variants), 1, SCREE_HOODOO_VARIANTS, NULL, NULL, 0},
-    {"ages", HOODOO_AGES, 0, 0, 1, NULL, NULL, 0},
-    {"age_steps", HOODOO_AGE_STEPS, 0, 0, 1e6, NULL, NULL, 0},
-    {"max_steps", HOODOO_COUNT, offsetof(scree_hoodoo_recipe, max_steps), 1, 1e6, NULL, NULL, 0},
-    {"lod_levels", HOODOO_COUNT, offsetof(scree_hoodoo_recipe, lod_levels), 1, 6, NULL, NULL, 0},
-    {"lattice_steps", HOODOO_COUNT, offsetof(scree_hoodoo_recipe, lattice_steps), 2, 64, NULL, NULL, 0},
-    {"parts", HOODOO_BOOL, offsetof(scree_hoodoo_recipe, parts), 0, 1, NULL, NULL, 0},
+static const recipe_key top_keys[] = {
+    {"name", RECIPE_TEXT, KEY_AT(scree_hoodoo_recipe, name), KEY_ENDS(0, 63)},
+    {"random_seed", RECIPE_SEED, KEY_AT(scree_hoodoo_recipe, random_seed), KEY_ENDS(0, 9007199254740992.0)},
+    {"voxel", RECIPE_NUMBER, KEY_AT(scree_hoodoo_recipe, voxel), KEY_ENDS(0.001, 100)},
+    {"size", RECIPE_COUNTS, KEY_AT(scree_hoodoo_recipe, size), KEY_ENDS(1, 4096), .size = 3},
+    {"start", RECIPE_OBJECT, KEY_AT(scree_hoodoo_recipe, start), .members = start_keys},
+    {"phases", RECIPE_PHASES, KEY_AT(scree_hoodoo_recipe, phases), .members = phase_keys,
+     .count_at = offsetof(scree_hoodoo_recipe, phase_count), .stride = sizeof(scree_hoodoo_phase), .size = SCREE_HOODOO_PHASES,
+     .of = "phases"},
+    {"variants", RECIPE_COUNT, KEY_AT(scree_hoodoo_recipe, variants), KEY_ENDS(1, SCREE_HOODOO_VARIANTS)},
+    {"ages", RECIPE_VALUES, KEY_AT(scree_hoodoo_recipe, ages), KEY_ENDS(0, 1), .count_at = offsetof(scree_hoodoo_recipe, age_count),
+     .stride = sizeof(double), .size = SCREE_HOODOO_AGES, .of = "ages"},
+    {"age_steps", RECIPE_TIMES, KEY_AT(scree_hoodoo_recipe, age_steps), KEY_ENDS(0, 1e6),
+     .count_at = offsetof(scree_hoodoo_recipe, age_step_count), .stride = sizeof(uint32_t), .size = SCREE_HOODOO_AGES,
+     .of = "ages"},
+    {"max_steps", RECIPE_COUNT, KEY_AT(scree_hoodoo_recipe, max_steps), KEY_ENDS(1, 1e6)},
+    {"lod_levels", RECIPE_COUNT, KEY_AT(scree_hoodoo_recipe, lod_levels), KEY_ENDS(1, 6)},
+    {"lattice_steps", RECIPE_COUNT, KEY_AT(scree_hoodoo_recipe, lattice_steps), KEY_ENDS(2, 64)},
+    {"parts", RECIPE_BOOL, KEY_AT(scree_hoodoo_recipe, parts), KEY_ENDS(0, 1)},
     {0},
 };
 
@@ -201,7 +221,8 @@ static scree_result check_start(const scree_hoodoo_recipe* recipe, scree_error* 
   return SCREE_OK;
 }
 
-scree_result hoodoo_check(const scree_hoodoo_recipe* recipe, scree_error* error) {
+static scree_result check(const void* from, scree_error* error) {
+  const scree_hoodoo_recipe* recipe = from;
   scree_result result = check_start(recipe, error);
   if (result == SCREE_OK) result = check_graphs(&recipe->rules, "", error);
   for (uint32_t i = 0; i < recipe->phase_count && result == SCREE_OK; ++i) {
@@ -233,4 +254,38 @@ scree_result hoodoo_check(const scree_hoodoo_recipe* recipe, scree_error* error)
     result = SCREE_ERROR_RANGE;
   }
   return result;
+}
+
+const recipe_table hoodoo_table = {.kind = "hoodoo",
+                                   .kind_is_needed = true,
+                                   .keys = top_keys,
+                                   .rules = rule_keys,
+                                   .rules_at = offsetof(scree_hoodoo_recipe, rules),
+                                   .phase_rules_at = offsetof(scree_hoodoo_phase, rules),
+                                   .phase_changes_at = offsetof(scree_hoodoo_phase, changes),
+                                   .rules_before = "phases",
+                                   .either = {"ages", "age_steps"},
+                                   .size = sizeof(scree_hoodoo_recipe),
+                                   .check = check};
+
+scree_result scree_hoodoo_parse(const char* text, size_t size, scree_hoodoo_recipe* out, scree_error* error) {
+  scree_hoodoo_recipe plain;
+  scree_hoodoo_default(&plain);
+  return recipe_read(&hoodoo_table, &plain, text, size, out, error);
+}
+
+scree_result scree_hoodoo_set(scree_hoodoo_recipe* recipe, const char* assignment, scree_error* error) {
+  scree_hoodoo_recipe plain, changed = *recipe;
+  scree_hoodoo_default(&plain);
+  const scree_result result = recipe_assign(&hoodoo_table, &plain, assignment, &changed, error);
+  if (result == SCREE_OK) *recipe = changed;
+  return result;
+}
+
+size_t scree_hoodoo_write(const scree_hoodoo_recipe* recipe, char* text, size_t capacity) {
+  return recipe_write(&hoodoo_table, recipe, text, capacity);
+}
+
+scree_result hoodoo_check_all(const scree_hoodoo_recipe* recipe, scree_error* error) {
+  return recipe_check_keys(&hoodoo_table, recipe, error);
 }

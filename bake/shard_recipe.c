@@ -1,5 +1,5 @@
-/* Recipes of shards: the tables of keys, defaults, and the rules between keys. The reader and the writer go by the tables
- * (shard_text.c), so that they cannot disagree; content/schema/shards.schema.json is held against them by a test. */
+/* Recipes of shards: the tables of keys, defaults, and the rules between keys; content/schema/shards.schema.json is held against
+ * the tables by a test. */
 #include <stdio.h>
 #include <string.h>
 
@@ -7,144 +7,148 @@
 #include "recipe_text.h"
 #include "shard_keys.h"
 
-#define AT(type, member) .offset = offsetof(type, member)
-#define ENDS(low, high) .min = (low), .max = (high)
 #define FAR 1e5 /* how far anything is from the origin, metres */
 
 #define SHAPE(name) (1u << SCREE_SHARD_##name)
 #define SMOOTH (SHAPE(SPHERE) | SHAPE(CONE) | SHAPE(CAPSULE))
-static const shard_key input_keys[] = {
-    {"shape", SHARD_CHOICE, AT(scree_shard_input, shape), ENDS(0, 8),
+static const recipe_key input_keys[] = {
+    {"shape", RECIPE_CHOICE, KEY_AT(scree_shard_input, shape), KEY_ENDS(0, 8),
      .words = "box hill sphere cone capsule mesh terrain hoodoo support"},
-    {"size", SHARD_NUMBERS, AT(scree_shard_input, size), ENDS(0.01, FAR), .size = 3, .only = SHAPE(BOX)},
-    {"radius", SHARD_NUMBER, AT(scree_shard_input, radius), ENDS(0.01, FAR), .only = SMOOTH | SHAPE(HILL)},
-    {"height", SHARD_NUMBER, AT(scree_shard_input, height), ENDS(0.01, FAR), .only = SHAPE(HILL) | SHAPE(CONE) | SHAPE(CAPSULE)},
-    {"top", SHARD_NUMBER, AT(scree_shard_input, top), ENDS(0.01, 1), .only = SHAPE(HILL)},
-    {"bulge", SHARD_NUMBER, AT(scree_shard_input, bulge), ENDS(0, 1), .only = SHAPE(HILL)},
-    {"rings", SHARD_COUNT, AT(scree_shard_input, rings), ENDS(1, 16), .only = SHAPE(HILL)},
-    {"sides", SHARD_COUNT, AT(scree_shard_input, sides), ENDS(3, 64), .only = SHAPE(HILL)},
-    {"noise", SHARD_NUMBER, AT(scree_shard_input, noise), ENDS(0, 1e4), .only = SMOOTH | SHAPE(BOX)},
-    {"wavelength", SHARD_NUMBER, AT(scree_shard_input, wavelength), ENDS(0.01, FAR), .only = SMOOTH | SHAPE(BOX)},
-    {"octaves", SHARD_COUNT, AT(scree_shard_input, octaves), ENDS(1, 8), .only = SMOOTH | SHAPE(BOX)},
-    {"resolution", SHARD_COUNT, AT(scree_shard_input, resolution), ENDS(0, 512),
+    {"size", RECIPE_NUMBERS, KEY_AT(scree_shard_input, size), KEY_ENDS(0.01, FAR), .size = 3, .only = SHAPE(BOX)},
+    {"radius", RECIPE_NUMBER, KEY_AT(scree_shard_input, radius), KEY_ENDS(0.01, FAR), .only = SMOOTH | SHAPE(HILL)},
+    {"height", RECIPE_NUMBER, KEY_AT(scree_shard_input, height), KEY_ENDS(0.01, FAR),
+     .only = SHAPE(HILL) | SHAPE(CONE) | SHAPE(CAPSULE)},
+    {"top", RECIPE_NUMBER, KEY_AT(scree_shard_input, top), KEY_ENDS(0.01, 1), .only = SHAPE(HILL)},
+    {"bulge", RECIPE_NUMBER, KEY_AT(scree_shard_input, bulge), KEY_ENDS(0, 1), .only = SHAPE(HILL)},
+    {"rings", RECIPE_COUNT, KEY_AT(scree_shard_input, rings), KEY_ENDS(1, 16), .only = SHAPE(HILL)},
+    {"sides", RECIPE_COUNT, KEY_AT(scree_shard_input, sides), KEY_ENDS(3, 64), .only = SHAPE(HILL)},
+    {"noise", RECIPE_NUMBER, KEY_AT(scree_shard_input, noise), KEY_ENDS(0, 1e4), .only = SMOOTH | SHAPE(BOX)},
+    {"wavelength", RECIPE_NUMBER, KEY_AT(scree_shard_input, wavelength), KEY_ENDS(0.01, FAR), .only = SMOOTH | SHAPE(BOX)},
+    {"octaves", RECIPE_COUNT, KEY_AT(scree_shard_input, octaves), KEY_ENDS(1, 8), .only = SMOOTH | SHAPE(BOX)},
+    {"resolution", RECIPE_COUNT, KEY_AT(scree_shard_input, resolution), KEY_ENDS(0, 512),
      .only = SMOOTH | SHAPE(BOX) | SHAPE(MESH) | SHAPE(SUPPORT)},
-    {"file", SHARD_TEXT, AT(scree_shard_input, file), ENDS(0, 255), .only = SHAPE(MESH) | SHAPE(TERRAIN) | SHAPE(HOODOO)},
-    {"scale", SHARD_NUMBER, AT(scree_shard_input, scale), ENDS(1e-6, 1e6), .only = SHAPE(MESH)},
-    {"position", SHARD_NUMBERS, AT(scree_shard_input, position), ENDS(-FAR, FAR), .size = 3, .only = SHAPE(MESH)},
-    {"spacing", SHARD_NUMBER, AT(scree_shard_input, spacing), ENDS(0.001, 1e4), .only = SHAPE(TERRAIN)},
-    {"low", SHARD_NUMBER, AT(scree_shard_input, low), ENDS(-FAR, FAR), .only = SHAPE(TERRAIN)},
-    {"high", SHARD_NUMBER, AT(scree_shard_input, high), ENDS(-FAR, FAR), .only = SHAPE(TERRAIN)},
-    {"crop", SHARD_COUNTS, AT(scree_shard_input, crop), ENDS(0, 8192), .size = 4, .only = SHAPE(TERRAIN)},
-    {"base", SHARD_NUMBER, AT(scree_shard_input, base), ENDS(-FAR, FAR), .only = SHAPE(TERRAIN)},
-    {"variant", SHARD_COUNT, AT(scree_shard_input, variant), ENDS(0, SCREE_HOODOO_VARIANTS - 1), .only = SHAPE(HOODOO)},
-    {"age", SHARD_COUNT, AT(scree_shard_input, age), ENDS(0, SCREE_HOODOO_AGES - 1), .only = SHAPE(HOODOO)},
-    {"lod", SHARD_COUNT, AT(scree_shard_input, lod), ENDS(0, 5), .only = SHAPE(HOODOO)},
+    {"file", RECIPE_TEXT, KEY_AT(scree_shard_input, file), KEY_ENDS(0, 255), .only = SHAPE(MESH) | SHAPE(TERRAIN) | SHAPE(HOODOO)},
+    {"scale", RECIPE_NUMBER, KEY_AT(scree_shard_input, scale), KEY_ENDS(1e-6, 1e6), .only = SHAPE(MESH)},
+    {"position", RECIPE_NUMBERS, KEY_AT(scree_shard_input, position), KEY_ENDS(-FAR, FAR), .size = 3, .only = SHAPE(MESH)},
+    {"spacing", RECIPE_NUMBER, KEY_AT(scree_shard_input, spacing), KEY_ENDS(0.001, 1e4), .only = SHAPE(TERRAIN)},
+    {"low", RECIPE_NUMBER, KEY_AT(scree_shard_input, low), KEY_ENDS(-FAR, FAR), .only = SHAPE(TERRAIN)},
+    {"high", RECIPE_NUMBER, KEY_AT(scree_shard_input, high), KEY_ENDS(-FAR, FAR), .only = SHAPE(TERRAIN)},
+    {"crop", RECIPE_COUNTS, KEY_AT(scree_shard_input, crop), KEY_ENDS(0, 8192), .size = 4, .only = SHAPE(TERRAIN)},
+    {"base", RECIPE_NUMBER, KEY_AT(scree_shard_input, base), KEY_ENDS(-FAR, FAR), .only = SHAPE(TERRAIN)},
+    {"variant", RECIPE_COUNT, KEY_AT(scree_shard_input, variant), KEY_ENDS(0, SCREE_HOODOO_VARIANTS - 1), .only = SHAPE(HOODOO)},
+    {"age", RECIPE_COUNT, KEY_AT(scree_shard_input, age), KEY_ENDS(0, SCREE_HOODOO_AGES - 1), .only = SHAPE(HOODOO)},
+    {"lod", RECIPE_COUNT, KEY_AT(scree_shard_input, lod), KEY_ENDS(0, 5), .only = SHAPE(HOODOO)},
     {0},
 };
 
 #define PATTERN(name) (1u << SCREE_SEEDS_##name)
-static const shard_key place_keys[] = {
-    {"x", SHARD_NUMBER, .offset = 0, ENDS(-FAR, FAR)},
-    {"y", SHARD_NUMBER, .offset = sizeof(double), ENDS(-FAR, FAR)},
-    {"z", SHARD_NUMBER, .offset = 2 * sizeof(double), ENDS(-FAR, FAR)},
+static const recipe_key place_keys[] = {
+    {"x", RECIPE_NUMBER, .offset = 0, KEY_ENDS(-FAR, FAR)},
+    {"y", RECIPE_NUMBER, .offset = sizeof(double), KEY_ENDS(-FAR, FAR)},
+    {"z", RECIPE_NUMBER, .offset = 2 * sizeof(double), KEY_ENDS(-FAR, FAR)},
     {0},
 };
-static const shard_key seed_keys[] = {
-    {"pattern", SHARD_CHOICE, AT(scree_shard_seeds, kind), ENDS(0, 5), .words = "random grid columns slabs poisson points"},
-    {"count", SHARD_COUNT, AT(scree_shard_seeds, count), ENDS(0, 1e6), .only = ~PATTERN(POINTS)},
-    {"spacing", SHARD_NUMBER, AT(scree_shard_seeds, spacing), ENDS(1e-3, FAR), .only = ~PATTERN(POINTS)},
-    {"spacing_end", SHARD_NUMBER, AT(scree_shard_seeds, spacing_end), ENDS(0, FAR), .only = PATTERN(POISSON)},
-    {"grade", SHARD_NUMBERS, AT(scree_shard_seeds, grade), ENDS(-1, 1), .size = 3, .only = PATTERN(POISSON)},
-    {"length", SHARD_NUMBER, AT(scree_shard_seeds, length), ENDS(0, FAR), .only = PATTERN(COLUMNS)},
-    {"layers", SHARD_VALUES, AT(scree_shard_seeds, layers), ENDS(1e-3, FAR), .count_at = offsetof(scree_shard_seeds, layer_count),
-     .stride = sizeof(double), .size = SCREE_SHARD_LAYERS, .only = PATTERN(SLABS)},
-    {"jitter", SHARD_NUMBER, AT(scree_shard_seeds, jitter), ENDS(0, 1), .only = PATTERN(GRID) | PATTERN(COLUMNS) | PATTERN(SLABS)},
-    {"up", SHARD_NUMBERS, AT(scree_shard_seeds, up), ENDS(-1, 1), .size = 3},
-    {"stretch", SHARD_NUMBERS, AT(scree_shard_seeds, stretch), ENDS(0.01, 100), .size = 3},
-    {"points", SHARD_ROWS, AT(scree_shard_seeds, points), .members = place_keys,
+static const recipe_key seed_keys[] = {
+    {"pattern", RECIPE_CHOICE, KEY_AT(scree_shard_seeds, kind), KEY_ENDS(0, 5),
+     .words = "random grid columns slabs poisson points"},
+    {"count", RECIPE_COUNT, KEY_AT(scree_shard_seeds, count), KEY_ENDS(0, 1e6), .only = ~PATTERN(POINTS)},
+    {"spacing", RECIPE_NUMBER, KEY_AT(scree_shard_seeds, spacing), KEY_ENDS(1e-3, FAR), .only = ~PATTERN(POINTS)},
+    {"spacing_end", RECIPE_NUMBER, KEY_AT(scree_shard_seeds, spacing_end), KEY_ENDS(0, FAR), .only = PATTERN(POISSON)},
+    {"grade", RECIPE_NUMBERS, KEY_AT(scree_shard_seeds, grade), KEY_ENDS(-1, 1), .size = 3, .only = PATTERN(POISSON)},
+    {"length", RECIPE_NUMBER, KEY_AT(scree_shard_seeds, length), KEY_ENDS(0, FAR), .only = PATTERN(COLUMNS)},
+    {"layers", RECIPE_VALUES, KEY_AT(scree_shard_seeds, layers), KEY_ENDS(1e-3, FAR),
+     .count_at = offsetof(scree_shard_seeds, layer_count), .stride = sizeof(double), .size = SCREE_SHARD_LAYERS,
+     .only = PATTERN(SLABS)},
+    {"jitter", RECIPE_NUMBER, KEY_AT(scree_shard_seeds, jitter), KEY_ENDS(0, 1),
+     .only = PATTERN(GRID) | PATTERN(COLUMNS) | PATTERN(SLABS)},
+    {"up", RECIPE_NUMBERS, KEY_AT(scree_shard_seeds, up), KEY_ENDS(-1, 1), .size = 3},
+    {"stretch", RECIPE_NUMBERS, KEY_AT(scree_shard_seeds, stretch), KEY_ENDS(0.01, 100), .size = 3},
+    {"points", RECIPE_ROWS, KEY_AT(scree_shard_seeds, points), .members = place_keys,
      .count_at = offsetof(scree_shard_seeds, point_count), .stride = 3 * sizeof(double), .least = 1, .size = SCREE_SHARD_POINTS,
      .only = PATTERN(POINTS)},
-    {"random_seed", SHARD_SEED, AT(scree_shard_seeds, random_seed), ENDS(0, 9007199254740992.0)},
+    {"random_seed", RECIPE_SEED, KEY_AT(scree_shard_seeds, random_seed), KEY_ENDS(0, 9007199254740992.0)},
     {0},
 };
 
-static const shard_key rain_keys[] = {
-    {"direction", SHARD_NUMBERS, AT(scree_rain, direction), ENDS(-1, 1), .size = 3},
-    {"spread", SHARD_NUMBER, AT(scree_rain, spread), ENDS(0, 3.141592653589793)},
-    {"weight", SHARD_NUMBER, AT(scree_rain, weight), ENDS(1e-6, 1e6)},
+static const recipe_key rain_keys[] = {
+    {"direction", RECIPE_NUMBERS, KEY_AT(scree_rain, direction), KEY_ENDS(-1, 1), .size = 3},
+    {"spread", RECIPE_NUMBER, KEY_AT(scree_rain, spread), KEY_ENDS(0, 3.141592653589793)},
+    {"weight", RECIPE_NUMBER, KEY_AT(scree_rain, weight), KEY_ENDS(1e-6, 1e6)},
     {0},
 };
 
 #define KIND(name) (1u << SCREE_RESISTANCE_##name)
-static const shard_key bed_keys[] = {
-    {"place", SHARD_NUMBER, .offset = 0, ENDS(-FAR, FAR)},
-    {"value", SHARD_NUMBER, .offset = sizeof(double), ENDS(0, 1)},
+static const recipe_key bed_keys[] = {
+    {"place", RECIPE_NUMBER, .offset = 0, KEY_ENDS(-FAR, FAR)},
+    {"value", RECIPE_NUMBER, .offset = sizeof(double), KEY_ENDS(0, 1)},
     {0},
 };
 /* Of scree_shard_rules. */
 #define RULE(member) .offset = offsetof(scree_shard_rules, frost.member)
-static const shard_key resistance_keys[] = {
-    {"kind", SHARD_CHOICE, RULE(resistance.kind), ENDS(0, 4), .words = "constant function noise layers images"},
-    {"value", SHARD_NUMBER, RULE(resistance.value), ENDS(0, 1), .only = KIND(CONSTANT) | KIND(NOISE)},
-    {"amplitude", SHARD_NUMBER, RULE(resistance.amplitude), ENDS(0, 1), .only = KIND(NOISE) | KIND(LAYERS)},
-    {"period", SHARD_NUMBER, RULE(resistance.period), ENDS(1e-3, FAR), .only = KIND(NOISE) | KIND(LAYERS)},
-    {"octaves", SHARD_COUNT, RULE(resistance.octaves), ENDS(1, 8), .only = KIND(NOISE) | KIND(LAYERS)},
-    {"random_seed", SHARD_SEED, RULE(resistance.random_seed), ENDS(0, 9007199254740992.0), .only = KIND(NOISE) | KIND(LAYERS)},
-    {"up", SHARD_NUMBERS, RULE(resistance.up), ENDS(-1, 1), .size = 3, .only = KIND(LAYERS)},
-    {"layers", SHARD_ROWS, AT(scree_shard_rules, layers), .members = bed_keys,
+static const recipe_key resistance_keys[] = {
+    {"kind", RECIPE_CHOICE, RULE(resistance.kind), KEY_ENDS(0, 4), .words = "constant function noise layers images"},
+    {"value", RECIPE_NUMBER, RULE(resistance.value), KEY_ENDS(0, 1), .only = KIND(CONSTANT) | KIND(NOISE)},
+    {"amplitude", RECIPE_NUMBER, RULE(resistance.amplitude), KEY_ENDS(0, 1), .only = KIND(NOISE) | KIND(LAYERS)},
+    {"period", RECIPE_NUMBER, RULE(resistance.period), KEY_ENDS(1e-3, FAR), .only = KIND(NOISE) | KIND(LAYERS)},
+    {"octaves", RECIPE_COUNT, RULE(resistance.octaves), KEY_ENDS(1, 8), .only = KIND(NOISE) | KIND(LAYERS)},
+    {"random_seed", RECIPE_SEED, RULE(resistance.random_seed), KEY_ENDS(0, 9007199254740992.0), .only = KIND(NOISE) | KIND(LAYERS)},
+    {"up", RECIPE_NUMBERS, RULE(resistance.up), KEY_ENDS(-1, 1), .size = 3, .only = KIND(LAYERS)},
+    {"layers", RECIPE_ROWS, KEY_AT(scree_shard_rules, layers), .members = bed_keys,
      .count_at = offsetof(scree_shard_rules, frost.resistance.layer_count), .stride = 2 * sizeof(double), .least = 1,
      .size = SCREE_SHARD_LAYERS, .only = KIND(LAYERS)},
     {0},
 };
-static const shard_key absorption_keys[] = {
-    {"solid", SHARD_NUMBER, RULE(solid_absorption), ENDS(0, 1e3)},
-    {"air", SHARD_NUMBER, RULE(air_absorption), ENDS(0, 1e3)},
-    {"resistance", SHARD_NUMBER, RULE(resistance_absorption), ENDS(0, 1e3)},
-    {"total", SHARD_BOOL, RULE(total_absorption)},
+static const recipe_key absorption_keys[] = {
+    {"solid", RECIPE_NUMBER, RULE(solid_absorption), KEY_ENDS(0, 1e3)},
+    {"air", RECIPE_NUMBER, RULE(air_absorption), KEY_ENDS(0, 1e3)},
+    {"resistance", RECIPE_NUMBER, RULE(resistance_absorption), KEY_ENDS(0, 1e3)},
+    {"total", RECIPE_BOOL, RULE(total_absorption)},
     {0},
 };
-static const shard_key breakage_keys[] = {
-    {"life", SHARD_NUMBER, RULE(break_life), ENDS(0, 1)},
-    {"chance", SHARD_NUMBER, RULE(break_chance), ENDS(0, 1)},
+static const recipe_key breakage_keys[] = {
+    {"life", RECIPE_NUMBER, RULE(break_life), KEY_ENDS(0, 1)},
+    {"chance", RECIPE_NUMBER, RULE(break_chance), KEY_ENDS(0, 1)},
     {0},
 };
-static const shard_key stability_keys[] = {
-    {"density", SHARD_NUMBER, RULE(density), ENDS(1, 1e5)},
-    {"strength", SHARD_NUMBER, RULE(strength), ENDS(0, 1e12)},
-    {"compression", SHARD_NUMBER, RULE(compression), ENDS(1, 1e3)},
-    {"interval", SHARD_COUNT, RULE(stability_interval), ENDS(1, 1e9)},
+static const recipe_key stability_keys[] = {
+    {"density", RECIPE_NUMBER, RULE(density), KEY_ENDS(1, 1e5)},
+    {"strength", RECIPE_NUMBER, RULE(strength), KEY_ENDS(0, 1e12)},
+    {"compression", RECIPE_NUMBER, RULE(compression), KEY_ENDS(1, 1e3)},
+    {"interval", RECIPE_COUNT, RULE(stability_interval), KEY_ENDS(1, 1e9)},
     {0},
 };
 static const scree_rain default_rain = {{0, -1, 0}, 0.5, 1};
 
-const shard_key shard_rule_keys[] = {
-    {"rains", SHARD_LIST, RULE(rains), .members = rain_keys, .blank = &default_rain,
+static const recipe_key rule_keys[] = {
+    {"rains", RECIPE_LIST, RULE(rains), .members = rain_keys, .blank = &default_rain,
      .count_at = offsetof(scree_shard_rules, frost.rain_count), .stride = sizeof(scree_rain), .least = 1,
      .size = SCREE_FROST_RAINS},
-    {"water", SHARD_NUMBER, RULE(water), ENDS(1e-6, 1e6)},
-    {"gravity", SHARD_NUMBERS, RULE(gravity), ENDS(-1, 1), .size = 3},
-    {"resistance", SHARD_OBJECT, .members = resistance_keys},
-    {"absorption", SHARD_OBJECT, .members = absorption_keys},
-    {"damage", SHARD_NUMBER, RULE(damage), ENDS(0, 1e3)},
-    {"breakage", SHARD_OBJECT, .members = breakage_keys},
-    {"fall", SHARD_CHOICE, RULE(fall), ENDS(0, 1), .words = "gone kept"},
-    {"fall_life", SHARD_NUMBER, RULE(fall_life), ENDS(0, 1)},
-    {"stability", SHARD_OBJECT, .members = stability_keys},
+    {"water", RECIPE_NUMBER, RULE(water), KEY_ENDS(1e-6, 1e6)},
+    {"gravity", RECIPE_NUMBERS, RULE(gravity), KEY_ENDS(-1, 1), .size = 3},
+    {"resistance", RECIPE_OBJECT, .members = resistance_keys},
+    {"absorption", RECIPE_OBJECT, .members = absorption_keys},
+    {"damage", RECIPE_NUMBER, RULE(damage), KEY_ENDS(0, 1e3)},
+    {"breakage", RECIPE_OBJECT, .members = breakage_keys},
+    {"fall", RECIPE_CHOICE, RULE(fall), KEY_ENDS(0, 1), .words = "gone kept"},
+    {"fall_life", RECIPE_NUMBER, RULE(fall_life), KEY_ENDS(0, 1)},
+    {"stability", RECIPE_OBJECT, .members = stability_keys},
     {0},
 };
 
 #define WHERE(name) (1u << SCREE_SHARD_##name)
-static const shard_key region_keys[] = {
-    {"where", SHARD_CHOICE, AT(scree_shard_region, where), ENDS(0, 6), .words = "all exterior facing base box sphere half_space"},
-    {"state", SHARD_CHOICE, AT(scree_shard_region, state), ENDS(0, 2), .words = "solid air core"},
-    {"direction", SHARD_NUMBERS, AT(scree_shard_region, direction), ENDS(-1, 1), .size = 3, .only = WHERE(FACING) | WHERE(BEYOND)},
-    {"angle", SHARD_NUMBER, AT(scree_shard_region, angle), ENDS(0, 3.141592653589793), .only = WHERE(FACING)},
-    {"offset", SHARD_NUMBER, AT(scree_shard_region, offset), ENDS(-FAR, FAR), .only = WHERE(BEYOND)},
-    {"depth", SHARD_NUMBER, AT(scree_shard_region, depth), ENDS(0, FAR), .only = WHERE(AT_BASE)},
-    {"min", SHARD_NUMBERS, AT(scree_shard_region, min), ENDS(-FAR, FAR), .size = 3, .only = WHERE(IN_BOX)},
-    {"max", SHARD_NUMBERS, AT(scree_shard_region, max), ENDS(-FAR, FAR), .size = 3, .only = WHERE(IN_BOX)},
-    {"centre", SHARD_NUMBERS, AT(scree_shard_region, centre), ENDS(-FAR, FAR), .size = 3, .only = WHERE(IN_SPHERE)},
-    {"radius", SHARD_NUMBER, AT(scree_shard_region, radius), ENDS(1e-3, FAR), .only = WHERE(IN_SPHERE)},
+static const recipe_key region_keys[] = {
+    {"where", RECIPE_CHOICE, KEY_AT(scree_shard_region, where), KEY_ENDS(0, 6),
+     .words = "all exterior facing base box sphere half_space"},
+    {"state", RECIPE_CHOICE, KEY_AT(scree_shard_region, state), KEY_ENDS(0, 2), .words = "solid air core"},
+    {"direction", RECIPE_NUMBERS, KEY_AT(scree_shard_region, direction), KEY_ENDS(-1, 1), .size = 3,
+     .only = WHERE(FACING) | WHERE(BEYOND)},
+    {"angle", RECIPE_NUMBER, KEY_AT(scree_shard_region, angle), KEY_ENDS(0, 3.141592653589793), .only = WHERE(FACING)},
+    {"offset", RECIPE_NUMBER, KEY_AT(scree_shard_region, offset), KEY_ENDS(-FAR, FAR), .only = WHERE(BEYOND)},
+    {"depth", RECIPE_NUMBER, KEY_AT(scree_shard_region, depth), KEY_ENDS(0, FAR), .only = WHERE(AT_BASE)},
+    {"min", RECIPE_NUMBERS, KEY_AT(scree_shard_region, min), KEY_ENDS(-FAR, FAR), .size = 3, .only = WHERE(IN_BOX)},
+    {"max", RECIPE_NUMBERS, KEY_AT(scree_shard_region, max), KEY_ENDS(-FAR, FAR), .size = 3, .only = WHERE(IN_BOX)},
+    {"centre", RECIPE_NUMBERS, KEY_AT(scree_shard_region, centre), KEY_ENDS(-FAR, FAR), .size = 3, .only = WHERE(IN_SPHERE)},
+    {"radius", RECIPE_NUMBER, KEY_AT(scree_shard_region, radius), KEY_ENDS(1e-3, FAR), .only = WHERE(IN_SPHERE)},
     {0},
 };
 static const scree_shard_region default_region = {.where = SCREE_SHARD_EXTERIOR,
@@ -155,54 +159,54 @@ static const scree_shard_region default_region = {.where = SCREE_SHARD_EXTERIOR,
                                                   .max = {1, 1, 1},
                                                   .radius = 1};
 
-static const shard_key image_keys[] = {
-    {"file", SHARD_TEXT, AT(scree_shard_images, file), ENDS(0, 255)},
-    {"slices", SHARD_COUNT, AT(scree_shard_images, slices), ENDS(1, 4096)},
-    {"min", SHARD_NUMBERS, AT(scree_shard_images, min), ENDS(-FAR, FAR), .size = 3},
-    {"max", SHARD_NUMBERS, AT(scree_shard_images, max), ENDS(-FAR, FAR), .size = 3},
+static const recipe_key image_keys[] = {
+    {"file", RECIPE_TEXT, KEY_AT(scree_shard_images, file), KEY_ENDS(0, 255)},
+    {"slices", RECIPE_COUNT, KEY_AT(scree_shard_images, slices), KEY_ENDS(1, 4096)},
+    {"min", RECIPE_NUMBERS, KEY_AT(scree_shard_images, min), KEY_ENDS(-FAR, FAR), .size = 3},
+    {"max", RECIPE_NUMBERS, KEY_AT(scree_shard_images, max), KEY_ENDS(-FAR, FAR), .size = 3},
     {0},
 };
 
-static const shard_key rubble_keys[] = {
-    {"ground", SHARD_NUMBER, AT(scree_shard_rubble, ground), ENDS(-FAR, FAR)},
-    {"resolution", SHARD_NUMBER, AT(scree_shard_rubble, resolution), ENDS(0, 1e3)},
-    {"repose", SHARD_NUMBER, AT(scree_shard_rubble, repose), ENDS(0.0625, 4)},
-    {"min_volume", SHARD_NUMBER, AT(scree_shard_rubble, min_volume), ENDS(0, 1e9)},
-    {"share", SHARD_NUMBER, AT(scree_shard_rubble, share), ENDS(0, 1)},
-    {"reach", SHARD_NUMBER, AT(scree_shard_rubble, reach), ENDS(0, FAR)},
+static const recipe_key rubble_keys[] = {
+    {"ground", RECIPE_NUMBER, KEY_AT(scree_shard_rubble, ground), KEY_ENDS(-FAR, FAR)},
+    {"resolution", RECIPE_NUMBER, KEY_AT(scree_shard_rubble, resolution), KEY_ENDS(0, 1e3)},
+    {"repose", RECIPE_NUMBER, KEY_AT(scree_shard_rubble, repose), KEY_ENDS(0.0625, 4)},
+    {"min_volume", RECIPE_NUMBER, KEY_AT(scree_shard_rubble, min_volume), KEY_ENDS(0, 1e9)},
+    {"share", RECIPE_NUMBER, KEY_AT(scree_shard_rubble, share), KEY_ENDS(0, 1)},
+    {"reach", RECIPE_NUMBER, KEY_AT(scree_shard_rubble, reach), KEY_ENDS(0, FAR)},
     {0},
 };
 
 /* When a phase begins; the keys of rules come on top. */
-static const shard_key phase_keys[] = {
-    {"share", SHARD_NUMBER, AT(scree_shard_phase, share), ENDS(0, 1)},
-    {"paths", SHARD_COUNT, AT(scree_shard_phase, paths), ENDS(0, 1e9)},
+static const recipe_key phase_keys[] = {
+    {"share", RECIPE_NUMBER, KEY_AT(scree_shard_phase, share), KEY_ENDS(0, 1)},
+    {"paths", RECIPE_COUNT, KEY_AT(scree_shard_phase, paths), KEY_ENDS(0, 1e9)},
     {0},
 };
 
 /* Left out of an object that is given; the default recipe has a count. */
 static const scree_shard_seeds default_seeds = {.spacing = 1, .jitter = 0.1, .up = {0, 1, 0}, .stretch = {1, 1, 1}};
 
-const shard_key shard_keys[] = {
-    {"name", SHARD_TEXT, AT(scree_shard_recipe, name), ENDS(0, 63)},
-    {"random_seed", SHARD_SEED, AT(scree_shard_recipe, random_seed), ENDS(0, 9007199254740992.0)},
-    {"input", SHARD_OBJECT, AT(scree_shard_recipe, input), .members = input_keys},
-    {"seeds", SHARD_OBJECT, AT(scree_shard_recipe, seeds), .members = seed_keys, .blank = &default_seeds},
-    {"clip", SHARD_CHOICE, AT(scree_shard_recipe, clip), ENDS(0, 2), .words = "auto walls mesh"},
-    {"link_angle", SHARD_NUMBER, AT(scree_shard_recipe, link_angle), ENDS(1e-3, 1.5707963267948966)},
-    {"images", SHARD_OBJECT, AT(scree_shard_recipe, images), .members = image_keys},
-    {"states", SHARD_LIST, AT(scree_shard_recipe, states), .members = region_keys, .blank = &default_region,
+static const recipe_key top_keys[] = {
+    {"name", RECIPE_TEXT, KEY_AT(scree_shard_recipe, name), KEY_ENDS(0, 63)},
+    {"random_seed", RECIPE_SEED, KEY_AT(scree_shard_recipe, random_seed), KEY_ENDS(0, 9007199254740992.0)},
+    {"input", RECIPE_OBJECT, KEY_AT(scree_shard_recipe, input), .members = input_keys},
+    {"seeds", RECIPE_OBJECT, KEY_AT(scree_shard_recipe, seeds), .members = seed_keys, .blank = &default_seeds},
+    {"clip", RECIPE_CHOICE, KEY_AT(scree_shard_recipe, clip), KEY_ENDS(0, 2), .words = "auto walls mesh"},
+    {"link_angle", RECIPE_NUMBER, KEY_AT(scree_shard_recipe, link_angle), KEY_ENDS(1e-3, 1.5707963267948966)},
+    {"images", RECIPE_OBJECT, KEY_AT(scree_shard_recipe, images), .members = image_keys},
+    {"states", RECIPE_LIST, KEY_AT(scree_shard_recipe, states), .members = region_keys, .blank = &default_region,
      .count_at = offsetof(scree_shard_recipe, state_count), .stride = sizeof(scree_shard_region), .size = SCREE_SHARD_REGIONS},
-    {"phases", SHARD_PHASES, AT(scree_shard_recipe, phases), .members = phase_keys,
+    {"phases", RECIPE_PHASES, KEY_AT(scree_shard_recipe, phases), .members = phase_keys,
      .count_at = offsetof(scree_shard_recipe, phase_count), .stride = sizeof(scree_shard_phase), .size = SCREE_SHARD_PHASES},
-    {"paths", SHARD_TIMES, AT(scree_shard_recipe, paths), ENDS(0, 1e9), .count_at = offsetof(scree_shard_recipe, path_count),
-     .stride = sizeof(uint32_t), .size = SCREE_SHARD_TIMES},
-    {"shares", SHARD_VALUES, AT(scree_shard_recipe, shares), ENDS(0, 1), .count_at = offsetof(scree_shard_recipe, share_count),
-     .stride = sizeof(double), .size = SCREE_SHARD_TIMES},
-    {"max_paths", SHARD_COUNT, AT(scree_shard_recipe, max_paths), ENDS(1, 1e9)},
-    {"rubble", SHARD_OBJECT, AT(scree_shard_recipe, rubble), .members = rubble_keys},
-    {"lod_levels", SHARD_COUNT, AT(scree_shard_recipe, lod_levels), ENDS(1, 6)},
-    {"lattice_per_metre", SHARD_COUNT, AT(scree_shard_recipe, lattice_per_metre), ENDS(0, 4096)},
+    {"paths", RECIPE_TIMES, KEY_AT(scree_shard_recipe, paths), KEY_ENDS(0, 1e9),
+     .count_at = offsetof(scree_shard_recipe, path_count), .stride = sizeof(uint32_t), .size = SCREE_SHARD_TIMES},
+    {"shares", RECIPE_VALUES, KEY_AT(scree_shard_recipe, shares), KEY_ENDS(0, 1),
+     .count_at = offsetof(scree_shard_recipe, share_count), .stride = sizeof(double), .size = SCREE_SHARD_TIMES},
+    {"max_paths", RECIPE_COUNT, KEY_AT(scree_shard_recipe, max_paths), KEY_ENDS(1, 1e9)},
+    {"rubble", RECIPE_OBJECT, KEY_AT(scree_shard_recipe, rubble), .members = rubble_keys},
+    {"lod_levels", RECIPE_COUNT, KEY_AT(scree_shard_recipe, lod_levels), KEY_ENDS(1, 6)},
+    {"lattice_per_metre", RECIPE_COUNT, KEY_AT(scree_shard_recipe, lattice_per_metre), KEY_ENDS(0, 4096)},
     {0},
 };
 
@@ -346,7 +350,8 @@ static scree_result check_times(const scree_shard_recipe* recipe, scree_error* e
   return SCREE_OK;
 }
 
-scree_result shard_check(const scree_shard_recipe* recipe, scree_error* error) {
+static scree_result check(const void* from, scree_error* error) {
+  const scree_shard_recipe* recipe = from;
   const scree_shard_seeds* seeds = &recipe->seeds;
   scree_result result = check_input(&recipe->input, error);
   if (result == SCREE_OK) result = not_zero(seeds->up, "seeds.", "up", error);
@@ -364,6 +369,40 @@ scree_result shard_check(const scree_shard_recipe* recipe, scree_error* error) {
     result = check_rules(recipe, &recipe->phases[i].rules, recipe->phases[i].changes, where, error);
   }
   return result == SCREE_OK ? check_times(recipe, error) : result;
+}
+
+const recipe_table shard_table = {.kind = "shards",
+                                  .kind_is_needed = true,
+                                  .keys = top_keys,
+                                  .rules = rule_keys,
+                                  .rules_at = offsetof(scree_shard_recipe, rules),
+                                  .phase_rules_at = offsetof(scree_shard_phase, rules),
+                                  .phase_changes_at = offsetof(scree_shard_phase, changes),
+                                  .rules_before = "states",
+                                  .either = {"paths", "shares"},
+                                  .size = sizeof(scree_shard_recipe),
+                                  .check = check};
+
+scree_result scree_shard_recipe_parse(const char* text, size_t size, scree_shard_recipe* out, scree_error* error) {
+  scree_shard_recipe plain;
+  scree_shard_recipe_default(&plain);
+  return recipe_read(&shard_table, &plain, text, size, out, error);
+}
+
+scree_result scree_shard_recipe_set(scree_shard_recipe* recipe, const char* assignment, scree_error* error) {
+  scree_shard_recipe plain, changed = *recipe;
+  scree_shard_recipe_default(&plain);
+  const scree_result result = recipe_assign(&shard_table, &plain, assignment, &changed, error);
+  if (result == SCREE_OK) *recipe = changed;
+  return result;
+}
+
+size_t scree_shard_recipe_write(const scree_shard_recipe* recipe, char* text, size_t capacity) {
+  return recipe_write(&shard_table, recipe, text, capacity);
+}
+
+scree_result shard_check_all(const scree_shard_recipe* recipe, scree_error* error) {
+  return recipe_check_keys(&shard_table, recipe, error);
 }
 
 void scree_shard_seeds_view(const scree_shard_recipe* recipe, scree_seed_pattern* out) {

@@ -128,15 +128,15 @@ static void deep_nesting_is_refused(void** state) {
 static void keys_are_accepted_up_to_their_ends_and_refused_beyond(void** state) {
   (void)state;
   uint32_t refused = 0;
-  for (size_t k = 0; k < recipe_key_count; ++k) {
-    const recipe_key* key = &recipe_keys[k];
+  for (const recipe_key* key = rock_table.keys; key->name != NULL; ++key) {
     if (key->kind == RECIPE_TEXT || key->kind == RECIPE_CHOICE || key->kind == RECIPE_BOOL) continue;
     const bool whole = key->kind == RECIPE_COUNT || key->kind == RECIPE_COUNT_RANGE || key->kind == RECIPE_SEED;
     const double step = whole ? 1 : fabs(key->max) * 1e-9 + 1e-12;
     const double values[4] = {key->min, key->max, key->min - step, key->max + (key->kind == RECIPE_SEED ? 2 : step)};
     for (int i = 0; i < 4; ++i) {
       char text[128];
-      snprintf(text, sizeof text, key->kind == RECIPE_VECTOR ? "{\"%s\": [1, 1, %.17g]}" : "{\"%s\": %.17g}", key->name, values[i]);
+      snprintf(text, sizeof text, key->kind == RECIPE_NUMBERS ? "{\"%s\": [1, 1, %.17g]}" : "{\"%s\": %.17g}", key->name,
+               values[i]);
       scree_recipe out;
       scree_error error;
       const scree_result result = parse(text, strlen(text), &out, &error);
@@ -161,8 +161,7 @@ static double random_number(random_stream* stream, const recipe_key* key, bool w
 /* A recipe with every key anywhere in its range. */
 static void random_recipe(random_stream* stream, scree_recipe* out) {
   scree_recipe_default(out);
-  for (size_t k = 0; k < recipe_key_count; ++k) {
-    const recipe_key* key = &recipe_keys[k];
+  for (const recipe_key* key = rock_table.keys; key->name != NULL; ++key) {
     char* field = (char*)out + key->offset;
     switch (key->kind) {
       case RECIPE_TEXT:
@@ -183,10 +182,11 @@ static void random_recipe(random_stream* stream, scree_recipe* out) {
         range->max = random_bits(stream) % 2 ? range->min : key->max;
         break;
       }
-      case RECIPE_VECTOR:
+      case RECIPE_NUMBERS:
         for (int i = 0; i < 3; ++i) out->align_axis[i] = random_number(stream, key, false);
         break;
       case RECIPE_CHOICE: out->orientation = (scree_orientation)(random_bits(stream) % 2); break;
+      default: fail_msg("%s is of a kind that recipes of rocks have not", key->name);
     }
   }
   out->voxels_per_cell &= ~1u;
@@ -204,17 +204,11 @@ static void what_is_written_reads_back_the_same(void** state) {
     size_t size;
     char* text = write_recipe(&recipe, &size);
     if (parse(text, size, &again, &error) != SCREE_OK) fail_msg("%s: %s", error.message, text);
-    for (size_t k = 0; k < recipe_key_count; ++k) {
-      const recipe_key* key = &recipe_keys[k];
-      static const size_t sizes[] = {0,
-                                     sizeof(uint64_t),
-                                     sizeof(uint32_t),
-                                     2 * sizeof(uint32_t),
-                                     sizeof(double),
-                                     sizeof(scree_range),
-                                     3 * sizeof(double),
-                                     sizeof(scree_orientation),
-                                     sizeof(bool)};
+    for (const recipe_key* key = rock_table.keys; key->name != NULL; ++key) {
+      static const size_t sizes[] = {
+          [RECIPE_SEED] = sizeof(uint64_t), [RECIPE_COUNT] = sizeof(uint32_t),          [RECIPE_COUNT_RANGE] = 2 * sizeof(uint32_t),
+          [RECIPE_NUMBER] = sizeof(double), [RECIPE_NUMBERS] = 3 * sizeof(double),      [RECIPE_RANGE] = sizeof(scree_range),
+          [RECIPE_BOOL] = sizeof(bool),     [RECIPE_CHOICE] = sizeof(scree_orientation)};
       const char *a = (const char*)&recipe + key->offset, *b = (const char*)&again + key->offset;
       if (key->kind == RECIPE_TEXT)
         assert_string_equal(a, b);

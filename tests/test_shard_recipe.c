@@ -80,7 +80,7 @@ static void faults_are_refused_by_name(void** state) {
       {"\"input\": {\"shape\": \"pyramid\"}", "input.shape: expected one of: box hill", SCREE_ERROR_SYNTAX},
       {"\"input\": {\"shape\": \"box\", \"radius\": 3}", "input.radius: the shape box has no such key", SCREE_ERROR_SYNTAX},
       {"\"input\": {\"radius\": 3, \"shape\": \"box\"}", "input.radius: the shape box has no such key", SCREE_ERROR_SYNTAX},
-      {"\"input\": {\"shape\": \"box\", \"size\": [1, 2]}", "input.size: expected 3 elements, got 2", SCREE_ERROR_SYNTAX},
+      {"\"input\": {\"shape\": \"box\", \"size\": [1, 2]}", "input.size: expected 3 numbers, got 2", SCREE_ERROR_SYNTAX},
       {"\"input\": {\"shape\": \"box\", \"size\": [1, 0, 2]}", "input.size[1]: expected a number from 0.01 to 100000, got 0",
        SCREE_ERROR_RANGE},
       {"\"input\": {\"shape\": \"mesh\"}", "input.file: missing", SCREE_ERROR_RANGE},
@@ -96,7 +96,7 @@ static void faults_are_refused_by_name(void** state) {
       {"\"seeds\": {\"pattern\": \"points\", \"points\": []}", "seeds.points: expected 1 to 1024 elements, got 0",
        SCREE_ERROR_SYNTAX},
       {"\"seeds\": {\"pattern\": \"points\"}", "seeds.points: missing", SCREE_ERROR_RANGE},
-      {"\"seeds\": {\"pattern\": \"points\", \"points\": [[1, 2]]}", "seeds.points[0]: expected 3 elements, got 2",
+      {"\"seeds\": {\"pattern\": \"points\", \"points\": [[1, 2]]}", "seeds.points[0]: expected 3 numbers: x, y, z, got 2",
        SCREE_ERROR_SYNTAX},
       {"\"seeds\": {\"pattern\": \"slabs\", \"layers\": [1, 0]}", "seeds.layers[1]", SCREE_ERROR_RANGE},
       {"\"seeds\": {\"up\": [0, 0, 0]}", "seeds.up: a direction must not be zero", SCREE_ERROR_RANGE},
@@ -178,7 +178,7 @@ static uint32_t below(random_stream* stream, uint32_t limit) {
   return (uint32_t)(random_bits(stream) % limit);
 }
 
-static double random_number(random_stream* stream, const shard_key* key, bool whole) {
+static double random_number(random_stream* stream, const recipe_key* key, bool whole) {
   const uint32_t draw = below(stream, 8);
   if (draw == 0) return key->min;
   if (draw == 1) return key->max;
@@ -187,47 +187,48 @@ static double random_number(random_stream* stream, const shard_key* key, bool wh
 }
 
 /* Fills a struct by its table: every key, whatever it is, gets a value within its ends. */
-static void random_members(random_stream* stream, const shard_key* keys, void* base) {
-  for (const shard_key* key = keys; key->name != NULL; ++key) {
+static void random_members(random_stream* stream, const recipe_key* keys, void* base) {
+  for (const recipe_key* key = keys; key->name != NULL; ++key) {
     char* field = (char*)base + key->offset;
     const uint32_t count = key->least + below(stream, key->size - key->least + 1);
     switch (key->kind) {
-      case SHARD_TEXT:
+      case RECIPE_TEXT:
         snprintf(field, (size_t)key->max + 1, "a \"%u\" \\ %c", below(stream, 1000), (char)(1 + below(stream, 126)));
         break;
-      case SHARD_SEED: *(uint64_t*)(void*)field = random_bits(stream) >> 11; break;
-      case SHARD_COUNT: *(uint32_t*)(void*)field = (uint32_t)random_number(stream, key, true); break;
-      case SHARD_COUNTS:
+      case RECIPE_SEED: *(uint64_t*)(void*)field = random_bits(stream) >> 11; break;
+      case RECIPE_COUNT: *(uint32_t*)(void*)field = (uint32_t)random_number(stream, key, true); break;
+      case RECIPE_COUNTS:
         for (uint32_t i = 0; i < key->size; ++i) ((uint32_t*)(void*)field)[i] = (uint32_t)random_number(stream, key, true);
         break;
-      case SHARD_NUMBER: *(double*)(void*)field = random_number(stream, key, false); break;
-      case SHARD_NUMBERS:
+      case RECIPE_NUMBER: *(double*)(void*)field = random_number(stream, key, false); break;
+      case RECIPE_NUMBERS:
         for (uint32_t i = 0; i < key->size; ++i) ((double*)(void*)field)[i] = random_number(stream, key, false);
         break;
-      case SHARD_BOOL: *(bool*)(void*)field = below(stream, 2) == 1; break;
-      case SHARD_CHOICE: *(int*)(void*)field = (int)below(stream, (uint32_t)key->max + 1); break;
-      case SHARD_OBJECT: random_members(stream, key->members, field); break;
-      case SHARD_LIST:
-      case SHARD_ROWS:
+      case RECIPE_BOOL: *(bool*)(void*)field = below(stream, 2) == 1; break;
+      case RECIPE_CHOICE: *(int*)(void*)field = (int)below(stream, (uint32_t)key->max + 1); break;
+      case RECIPE_OBJECT: random_members(stream, key->members, field); break;
+      case RECIPE_LIST:
+      case RECIPE_ROWS:
         for (uint32_t i = 0; i < count; ++i) random_members(stream, key->members, field + i * key->stride);
         break;
-      case SHARD_VALUES:
+      case RECIPE_VALUES:
         for (uint32_t i = 0; i < count; ++i) ((double*)(void*)field)[i] = random_number(stream, key, false);
         break;
-      case SHARD_TIMES:
+      case RECIPE_TIMES:
         for (uint32_t i = 0; i < count; ++i) ((uint32_t*)(void*)field)[i] = (uint32_t)random_number(stream, key, true);
         break;
-      case SHARD_PHASES:
+      case RECIPE_PHASES:
         for (uint32_t i = 0; i < count; ++i) {
           scree_shard_phase* phase = (scree_shard_phase*)(void*)(field + i * key->stride);
           phase->share = below(stream, 2) == 0 ? -1 : random_unit(stream);
           phase->paths = below(stream, 1000000);
           phase->changes = below(stream, 1u << 10);
-          random_members(stream, shard_rule_keys, &phase->rules);
+          random_members(stream, shard_table.rules, &phase->rules);
         }
         break;
+      default: fail_msg("%s is of a kind that recipes of shards have not", key->name);
     }
-    if (key->kind >= SHARD_LIST) *(uint32_t*)(void*)((char*)base + key->count_at) = count;
+    if (key->kind >= RECIPE_LIST) *(uint32_t*)(void*)((char*)base + key->count_at) = count;
   }
 }
 
@@ -240,8 +241,8 @@ static void mend_rules(scree_shard_rules* rules) {
 
 static void random_recipe(random_stream* stream, scree_shard_recipe* out) {
   memset(out, 0, sizeof *out);
-  random_members(stream, shard_keys, out);
-  random_members(stream, shard_rule_keys, &out->rules);
+  random_members(stream, shard_table.keys, out);
+  random_members(stream, shard_table.rules, &out->rules);
   mend_rules(&out->rules);
   for (uint32_t i = 0; i < out->phase_count; ++i) mend_rules(&out->phases[i].rules);
   for (uint32_t i = 0; i < out->state_count; ++i) {
