@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "allocator.h"
+#include "bake_progress.h"
 #include "clock.h"
 #include "draco_encode.h"
 #include "hoodoo_model.h"
@@ -36,10 +37,7 @@ typedef struct hoodoo_bake {
   scree_result* results; /* by variant */
   scree_error* errors;   /* by variant */
   atomic_uint done;      /* models */
-  atomic_bool stopped;   /* something failed, or the caller has had enough */
-  atomic_bool cancelled;
-  atomic_flag reporting; /* set while a worker is inside desc->progress */
-  double reported;       /* guarded by it */
+  bake_progress progress;
 } hoodoo_bake;
 
 /* A variant on its way. */
@@ -57,23 +55,10 @@ static scree_result fail(const variant_run* run, scree_result result, const char
   return result;
 }
 
-/* part: of a model that is not done yet. Called by any worker; those who find another one inside go on. */
+/* part: of a model that is not done yet. */
 static bool report(hoodoo_bake* bake, double part) {
-  const scree_hoodoo_desc* desc = bake->desc;
-  if (atomic_load_explicit(&bake->stopped, memory_order_relaxed)) return false;
-  if (desc->progress == NULL || atomic_flag_test_and_set(&bake->reporting)) return true;
-  bool go_on = true;
-  const double done = (atomic_load(&bake->done) + part) / (bake->recipe.variants * (double)bake->ages);
-  if (done > bake->reported) {
-    bake->reported = done < 1 ? done : 1;
-    go_on = desc->progress(desc->progress_user, "weather", bake->reported);
-  }
-  atomic_flag_clear(&bake->reporting);
-  if (!go_on) {
-    atomic_store(&bake->cancelled, true);
-    atomic_store(&bake->stopped, true);
-  }
-  return go_on;
+  return bake_progress_tell(&bake->progress, "weather",
+                            (atomic_load(&bake->done) + part) / (bake->recipe.variants * (double)bake->ages));
 }
 
 static bool report_step(void* user, double done) {
@@ -271,7 +256,7 @@ static scree_result start_variant(variant_run* run) {
 static void bake_variant(void* context, uint32_t variant, uint32_t worker_number) {
   hoodoo_bake* bake = context;
   hoodoo_worker* worker = &bake->workers[worker_number];
-  if (atomic_load(&bake->stopped)) return;
+  if (atomic_load(&bake->progress.stopped)) return;
   variant_run run = {.bake = bake, .variant = variant, .rules = bake->recipe.rules};
   const double start = clock_seconds();
   scree_result result = start_variant(&run);
@@ -280,7 +265,7 @@ static void bake_variant(void* context, uint32_t variant, uint32_t worker_number
   scree_mesher_destroy(run.mesher);
   scree_weather_destroy(run.weather);
   bake->results[variant] = result;
-  if (result != SCREE_OK) atomic_store(&bake->stopped, true);
+  if (result != SCREE_OK) atomic_store(&bake->progress.stopped, true);
 }
 
 /* The lattice that the models of a recipe lie on. */
@@ -348,7 +333,7 @@ static scree_result weather_all(hoodoo_bake* bake, scree_error* error) {
     bake->inner = *jobs;
     for (uint32_t v = 0; v < variants; ++v) bake_variant(bake, v, 0);
   }
-  if (atomic_load(&bake->cancelled)) return SCREE_ERROR_CANCELLED;
+  if (atomic_load(&bake->progress.cancelled)) return SCREE_ERROR_CANCELLED;
   for (uint32_t v = 0; v < variants; ++v) {
     if (bake->results[v] == SCREE_OK || bake->results[v] == SCREE_ERROR_CANCELLED) continue;
     if (error != NULL) *error = bake->errors[v];
@@ -399,17 +384,6 @@ static scree_result write_models(const hoodoo_bake* bake, uint8_t** bytes, size_
   return result;
 }
 
-static scree_result read_digest(const hoodoo_bake* bake, const uint8_t* bytes, size_t size, uint64_t* digest) {
-  scree_pack* pack;
-  const scree_result result = scree_pack_open_memory(bytes, size, &bake->allocator, &pack);
-  if (result != SCREE_OK) return result;
-  scree_pack_info info;
-  scree_pack_get_info(pack, &info);
-  *digest = info.digest;
-  scree_pack_close(pack);
-  return SCREE_OK;
-}
-
 scree_result hoodoo_model_make(const scree_hoodoo_desc* desc, uint32_t variant, uint32_t age, uint32_t lods, weather_asset* out,
                                uint32_t* steps_per_metre, scree_error* error) {
   const scree_hoodoo_recipe* recipe = desc->recipe;
@@ -431,7 +405,7 @@ scree_result hoodoo_model_make(const scree_hoodoo_desc* desc, uint32_t variant, 
   bake->inner = desc->jobs;
   bake->memory_limit = desc->memory_limit > 0 ? desc->memory_limit : (size_t)4 << 30;
   bake->ages = 1;
-  atomic_flag_clear(&bake->reporting);
+  bake_progress_begin(&bake->progress, desc->progress, desc->progress_user);
   bake->errors = scree_rt_allocate_zeroed(&allocator, (size_t)variant + 1, sizeof *bake->errors);
   variant_run run = {.bake = bake, .variant = variant, .rules = recipe->rules};
   result = bake->errors == NULL ? SCREE_ERROR_OUT_OF_MEMORY : choose_lattice(bake, error);
@@ -469,7 +443,7 @@ scree_result scree_hoodoo_bake(const scree_hoodoo_desc* desc, uint8_t** bytes, s
   bake->recipe = *desc->recipe;
   bake->allocator = allocator;
   bake->ages = bake->recipe.age_count > 0 ? bake->recipe.age_count : bake->recipe.age_step_count;
-  atomic_flag_clear(&bake->reporting);
+  bake_progress_begin(&bake->progress, desc->progress, desc->progress_user);
   const uint32_t workers = desc->jobs.parallel_for == NULL ? 1 : desc->jobs.worker_count;
   result = choose_lattice(bake, error);
   if (result == SCREE_OK) result = allocate(bake, workers);
@@ -479,12 +453,7 @@ scree_result scree_hoodoo_bake(const scree_hoodoo_desc* desc, uint8_t** bytes, s
   if (result == SCREE_OK && report_out != NULL) {
     fill_report(bake, workers, clock_seconds() - start, clock_seconds() - write_start, report_out);
     report_out->bytes = *size;
-    result = read_digest(bake, *bytes, *size, &report_out->digest);
-    if (result != SCREE_OK) {
-      scree_hoodoo_free(desc, *bytes, *size);
-      *bytes = NULL;
-      *size = 0;
-    }
+    report_out->digest = pack_bytes_digest(*bytes);
   }
   release(bake, workers);
   scree_rt_release(&allocator, bake, 1, sizeof *bake);

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "bake_internal.h"
+#include "bake_progress.h"
 #include "burial.h"
 #include "clock.h"
 #include "draco_encode.h"
@@ -127,9 +128,8 @@ typedef struct set_bake {
   const char* stage;       /* that runs now */
   uint32_t jobs;           /* of all stages */
   atomic_uint jobs_done;
-  atomic_flag reporting; /* set while a worker is inside desc->progress; others do not wait, the next one reports */
-  uint32_t reported;     /* guarded by it */
-  atomic_int failure;    /* first scree_result that was not SCREE_OK */
+  bake_progress progress;
+  atomic_int failure; /* first scree_result that was not SCREE_OK */
 } set_bake;
 
 static void free_levels(rock_lod* lods, const scree_allocator* allocator) {
@@ -210,12 +210,7 @@ static bool failed(set_bake* set) {
 /* One more job is done. */
 static void report_job(set_bake* set) {
   const uint32_t done = atomic_fetch_add(&set->jobs_done, 1) + 1;
-  if (set->desc->progress == NULL || atomic_flag_test_and_set(&set->reporting)) return;
-  if (done > set->reported) {
-    set->reported = done;
-    if (!set->desc->progress(set->desc->progress_user, set->stage, (double)done / set->jobs)) fail(set, SCREE_ERROR_CANCELLED);
-  }
-  atomic_flag_clear(&set->reporting);
+  if (!bake_progress_tell(&set->progress, set->stage, (double)done / set->jobs)) fail(set, SCREE_ERROR_CANCELLED);
 }
 
 static void bake_tile(void* context, uint32_t tile, uint32_t worker_number) {
@@ -376,7 +371,7 @@ scree_result scree_bake_rocks(const scree_bake_desc* desc, uint8_t** bytes, size
   set_bake set = {.bake = &bake, .desc = desc};
   atomic_init(&set.failure, SCREE_OK);
   atomic_init(&set.jobs_done, 0);
-  atomic_flag_clear(&set.reporting);
+  bake_progress_begin(&set.progress, desc->progress, desc->progress_user);
   uint32_t* cell_first = scree_rt_allocate(&bake.allocator, (size_t)bake.cell_count + 1, sizeof *cell_first);
   result = cell_first == NULL ? SCREE_ERROR_OUT_OF_MEMORY : bake_set(&set, &desc->jobs);
 
@@ -418,18 +413,7 @@ scree_result scree_bake_rocks(const scree_bake_desc* desc, uint8_t** bytes, size
       if (result == SCREE_OK && report != NULL) {
         fill_report(&set, &rocks, clock_seconds() - start, clock_seconds() - write_start, report);
         report->bytes = *size;
-        scree_pack* pack;
-        result = scree_pack_open_memory(*bytes, *size, &bake.allocator, &pack);
-        if (result == SCREE_OK) {
-          scree_pack_info info;
-          scree_pack_get_info(pack, &info);
-          report->digest = info.digest;
-          scree_pack_close(pack);
-        } else {
-          scree_rt_release(&bake.allocator, *bytes, *size, 1);
-          *bytes = NULL;
-          *size = 0;
-        }
+        report->digest = pack_bytes_digest(*bytes);
       }
     }
   }

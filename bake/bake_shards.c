@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "allocator.h"
+#include "bake_progress.h"
 #include "clock.h"
 #include "draco_encode.h"
 #include "lattice.h"
@@ -61,33 +62,17 @@ typedef struct shard_bake {
   uint32_t* cell_first;
   uint32_t* new_index; /* of each asset once dust is dropped, or NONE */
   uv_range uvs;
-  atomic_uint done; /* assets of this stage */
-  atomic_bool stopped, cancelled;
+  atomic_uint done;      /* assets of this stage */
   scree_result* results; /* by asset */
-  atomic_flag reporting; /* set while a worker is inside desc->progress */
-  double reported;       /* guarded by it */
+  bake_progress progress;
   double seconds[STAGES];
   uint32_t stage;
 } shard_bake;
 
-/* part: of the stage. Called by any worker; those who find another one inside go on. */
+/* part: of the stage. */
 static bool report(shard_bake* bake, double part) {
-  const scree_shard_desc* desc = bake->desc;
-  if (atomic_load_explicit(&bake->stopped, memory_order_relaxed)) return false;
-  if (desc->progress == NULL || atomic_flag_test_and_set(&bake->reporting)) return true;
-  bool go_on = true;
   const double begin = stage_ends[bake->stage][0], end = stage_ends[bake->stage][1];
-  const double done = begin + (end - begin) * (part < 1 ? part : 1);
-  if (done > bake->reported) {
-    bake->reported = done;
-    go_on = desc->progress(desc->progress_user, stage_names[bake->stage], done);
-  }
-  atomic_flag_clear(&bake->reporting);
-  if (!go_on) {
-    atomic_store(&bake->cancelled, true);
-    atomic_store(&bake->stopped, true);
-  }
-  return go_on;
+  return bake_progress_tell(&bake->progress, stage_names[bake->stage], begin + (end - begin) * (part < 1 ? part : 1));
 }
 
 /* What shards report is a stage of its own each; this one only has to go on. */
@@ -239,7 +224,7 @@ static scree_result weather_all(shard_bake* bake, scree_error* error) {
 static void finish(shard_bake* bake, uint32_t asset, scree_result result) {
   bake->results[asset] = result;
   if (result != SCREE_OK)
-    atomic_store(&bake->stopped, true);
+    atomic_store(&bake->progress.stopped, true);
   else
     report(bake, (atomic_fetch_add(&bake->done, 1) + 1.0) / bake->asset_count);
 }
@@ -247,7 +232,7 @@ static void finish(shard_bake* bake, uint32_t asset, scree_result result) {
 static void make_asset(void* context, uint32_t index, uint32_t worker) {
   shard_bake* bake = context;
   (void)worker;
-  if (atomic_load(&bake->stopped)) return;
+  if (atomic_load(&bake->progress.stopped)) return;
   const scree_allocator* allocator = &bake->allocator;
   const size_t shards = bake->view.shard_count;
   shard_asset_desc desc = {.shards = bake->weather.shards,
@@ -305,7 +290,7 @@ static scree_result copy_hulls(const shard_bake* bake, const shard_asset* asset,
 static void encode_asset(void* context, uint32_t index, uint32_t worker) {
   shard_bake* bake = context;
   (void)worker;
-  if (atomic_load(&bake->stopped)) return;
+  if (atomic_load(&bake->progress.stopped)) return;
   const shard_asset* asset = bake->assets[index];
   rock_record* rock = &bake->rocks[index];
   model_record* model = &bake->models[index];
@@ -355,7 +340,7 @@ static scree_result run_stage(shard_bake* bake, uint32_t stage, void (*job)(void
   else
     for (uint32_t i = 0; i < bake->asset_count; ++i) job(bake, i, 0);
   bake->seconds[stage] = clock_seconds() - start;
-  if (atomic_load(&bake->cancelled)) return SCREE_ERROR_CANCELLED;
+  if (atomic_load(&bake->progress.cancelled)) return SCREE_ERROR_CANCELLED;
   uint32_t failed = 0;
   while (failed < bake->asset_count && bake->results[failed] == SCREE_OK) ++failed;
   if (failed == bake->asset_count) return SCREE_OK;
@@ -447,17 +432,6 @@ static scree_result write_pack(shard_bake* bake, uint8_t** bytes, size_t* size) 
   return result;
 }
 
-static scree_result read_digest(const shard_bake* bake, const uint8_t* bytes, size_t size, uint64_t* digest) {
-  scree_pack* pack;
-  const scree_result result = scree_pack_open_memory(bytes, size, &bake->allocator, &pack);
-  if (result != SCREE_OK) return result;
-  scree_pack_info info;
-  scree_pack_get_info(pack, &info);
-  *digest = info.digest;
-  scree_pack_close(pack);
-  return SCREE_OK;
-}
-
 static void fill_report(const shard_bake* bake, size_t size, double seconds, scree_shard_report* out) {
   const scree_frost_stats* last = &bake->stats[bake->times - 1];
   memset(out, 0, sizeof *out);
@@ -544,11 +518,11 @@ scree_result scree_shards_bake(const scree_shard_desc* desc, uint8_t** bytes, si
   bake->desc = &own;
   bake->allocator = allocator;
   bake->times = shard_times(&bake->recipe);
-  atomic_flag_clear(&bake->reporting);
+  bake_progress_begin(&bake->progress, desc->progress, desc->progress_user);
   result = run(bake, bytes, size, error);
   if (result == SCREE_OK && report_out != NULL) {
     fill_report(bake, *size, clock_seconds() - start, report_out);
-    result = read_digest(bake, *bytes, *size, &report_out->bake.digest);
+    report_out->bake.digest = pack_bytes_digest(*bytes);
   }
   if (result != SCREE_OK) {
     scree_shards_bake_free(desc, *bytes, *size);

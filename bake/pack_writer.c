@@ -449,3 +449,9 @@ scree_result pack_write(const rock_set* set, const scree_allocator* given, uint8
   *size = result == SCREE_OK ? (size_t)layout.file_size : 0;
   return result;
 }
+
+uint64_t pack_bytes_digest(const uint8_t* bytes) {
+  pack_header header;
+  memcpy(&header, bytes, sizeof header);
+  return header.pack_digest;
+}

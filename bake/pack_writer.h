@@ -11,4 +11,7 @@
  * owned. */
 scree_result pack_write(const rock_set* set, const scree_allocator* allocator, uint8_t** bytes, size_t* size);
 
+/* The digest of a pack that pack_write made. */
+uint64_t pack_bytes_digest(const uint8_t* bytes);
+
 #endif

@@ -1,0 +1,28 @@
+#include "bake_progress.h"
+
+#include <stddef.h>
+
+void bake_progress_begin(bake_progress* progress, bake_listener* listener, void* user) {
+  progress->listener = listener;
+  progress->user = user;
+  progress->told = 0;
+  atomic_flag_clear(&progress->telling);
+  atomic_init(&progress->stopped, false);
+  atomic_init(&progress->cancelled, false);
+}
+
+bool bake_progress_tell(bake_progress* progress, const char* stage, double done) {
+  if (atomic_load_explicit(&progress->stopped, memory_order_relaxed)) return false;
+  if (progress->listener == NULL || atomic_flag_test_and_set(&progress->telling)) return true;
+  bool go_on = true;
+  if (done > progress->told) {
+    progress->told = done < 1 ? done : 1;
+    go_on = progress->listener(progress->user, stage, progress->told);
+  }
+  atomic_flag_clear(&progress->telling);
+  if (!go_on) {
+    atomic_store(&progress->cancelled, true);
+    atomic_store(&progress->stopped, true);
+  }
+  return go_on;
+}
