@@ -123,31 +123,67 @@ static bool boxes_meet(const double a_min[3], const double a_max[3], const doubl
   return true;
 }
 
-scree_result stage_update_field(stage* s, uint32_t index, uint32_t changed, scree_error* error) {
-  staged_field* f = &s->fields[index];
-  const double start = timer_seconds();
-  /* Boxes of what changes: the field before and after, then each later field that meets one of these. */
-  double min[SCENE_FIELDS_MAX + 2][3], max[SCENE_FIELDS_MAX + 2][3];
-  uint32_t boxes = field_box(s, index, min[0], max[0]) ? 1u : 0u;
-  scree_result result = scene_live_update(s->world, index, changed, error);
-  if (result != SCREE_OK) return result;
-  if ((changed & ~(uint32_t)SCENE_CHANGED_PALETTE) == 0) {
-    colour_stones(s, index, f);
-  } else {
-    if ((changed & SCENE_CHANGED_PACK) != 0) f->count = 0; /* their pack may be gone */
-    boxes += field_box(s, index, min[boxes], max[boxes]) ? 1u : 0u;
-    result = query(s, index, error);
-    for (uint32_t later = index + 1; later < s->field_count && result == SCREE_OK; ++later) {
-      if (!field_box(s, later, min[boxes], max[boxes])) continue;
-      uint32_t met = 0;
-      while (met < boxes && !boxes_meet(min[met], max[met], min[boxes], max[boxes])) ++met;
-      if (met == boxes) continue;
-      ++boxes;
-      result = query(s, later, error);
+/* Where the rocks of a field were and are. */
+typedef struct field_boxes {
+  double min[2][3], max[2][3];
+  uint32_t count;
+} field_boxes;
+
+static void add_box(const stage* s, uint32_t index, field_boxes* boxes) {
+  if (field_box(s, index, boxes->min[boxes->count], boxes->max[boxes->count])) ++boxes->count;
+}
+
+/* Has an earlier field changed where this one is? */
+static bool meets_earlier(const field_boxes* boxes, uint32_t index) {
+  for (uint32_t i = 0; i < index; ++i)
+    for (uint32_t a = 0; a < boxes[i].count; ++a)
+      for (uint32_t b = 0; b < boxes[index].count; ++b)
+        if (boxes_meet(boxes[i].min[a], boxes[i].max[a], boxes[index].min[b], boxes[index].max[b])) return true;
+  return false;
+}
+
+static void keep_first(scree_result result, const scree_error* own, scree_result* first, scree_error* error) {
+  if (result == SCREE_OK || *first != SCREE_OK) return;
+  *first = result;
+  *error = *own;
+}
+
+scree_result stage_update_fields(stage* s, const uint32_t changed[SCENE_FIELDS_MAX], scree_error* error) {
+  field_boxes boxes[SCENE_FIELDS_MAX]; /* of the fields that are queried */
+  uint64_t stale = 0;
+  scree_result first = SCREE_OK;
+  for (uint32_t i = 0; i < s->field_count; ++i) {
+    staged_field* f = &s->fields[i];
+    boxes[i].count = 0;
+    if (changed[i] == 0) continue;
+    const double start = timer_seconds();
+    scree_error own = {""};
+    add_box(s, i, &boxes[i]);
+    const scree_result result = scene_live_update(s->world, i, changed[i], &own);
+    keep_first(result, &own, &first, error);
+    if (result != SCREE_OK || (changed[i] & ~(uint32_t)SCENE_CHANGED_PALETTE) == 0) {
+      boxes[i].count = 0;
+      if (result == SCREE_OK) colour_stones(s, i, f);
+    } else {
+      if ((changed[i] & SCENE_CHANGED_PACK) != 0) f->count = 0; /* their pack may be gone */
+      stale |= UINT64_C(1) << i;
     }
+    f->seconds = timer_seconds() - start;
   }
-  f->seconds = timer_seconds() - start;
-  return result;
+  for (uint32_t i = 0; i < s->field_count; ++i) {
+    const bool updated = (stale >> i & 1) != 0;
+    add_box(s, i, &boxes[i]);
+    if (!updated && !meets_earlier(boxes, i)) {
+      boxes[i].count = 0;
+      continue;
+    }
+    if (!updated) s->fields[i].seconds = 0;
+    const double start = timer_seconds();
+    scree_error own = {""};
+    if (scene_live_layer(s->world, i) != UINT32_MAX) keep_first(query(s, i, &own), &own, &first, error);
+    s->fields[i].seconds += timer_seconds() - start;
+  }
+  return first;
 }
 
 scree_result stage_update_all(stage* s, scree_error* error) {
@@ -161,9 +197,7 @@ scree_result stage_update_all(stage* s, scree_error* error) {
     scree_error own = {""};
     scree_result result = query(s, i, &own);
     s->fields[i].seconds = timer_seconds() - start;
-    if (result == SCREE_OK || first != SCREE_OK) continue;
-    first = result;
-    *error = own;
+    keep_first(result, &own, &first, error);
   }
   return first;
 }

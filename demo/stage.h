@@ -1,5 +1,5 @@
 /* A scene brought to life for the viewer: packs opened, fields and supports made, stones queried and handed to the renderer. After
- * an edit only the field that it touched is queried again. */
+ * an edit only the fields that it touched, and those that make way for them, are queried again. */
 #ifndef STAGE_H
 #define STAGE_H
 
@@ -27,9 +27,10 @@ typedef struct stage_desc {
 scree_result stage_create(const stage_desc* desc, stage** out, scree_error* error);
 void stage_destroy(stage* s);
 
-/* Brings field `index` up to date with the scene, changed: SCENE_CHANGED_..., and the later fields that it may meet, whose stones
- * make way for its own. On failure its last good stones stay. */
-scree_result stage_update_field(stage* s, uint32_t index, uint32_t changed, scree_error* error);
+/* Brings fields up to date with the scene, and the later fields that they may meet, whose stones make way for theirs; none is
+ * queried twice. changed: SCENE_CHANGED_... of each field. Where one fails its last good stones stay; the first that fails gives
+ * the error, the others are there. */
+scree_result stage_update_fields(stage* s, const uint32_t changed[SCENE_FIELDS_MAX], scree_error* error);
 
 /* After fields were added or removed: forgets all of them and queries anew. The first field that fails gives the error; the others
  * are there. */
@@ -51,7 +52,7 @@ bool stage_ball(const stage* s, float centre[3], float* radius);
 
 /* Stones that are shown: those that nobody can see are left out. */
 uint32_t stage_stone_count(const stage* s, uint32_t index);
-/* Seconds that the last update of a field took, with those of later fields. */
+/* Seconds that the last update of a field took. */
 double stage_update_seconds(const stage* s, uint32_t index);
 
 /* The files that supports were read from, for those who draw them. */

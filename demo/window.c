@@ -155,6 +155,16 @@ static void count_stones(viewer* v) {
   for (uint32_t f = 0; f < v->scene->field_count; ++f) v->stone_counts[f] = stage_stone_count(v->stage, f);
 }
 
+static bool fields_changed(const viewer* v) {
+  for (uint32_t f = 0; f < v->scene->field_count; ++f)
+    if (v->edit.changed[f] != 0) return true;
+  return false;
+}
+
+static bool edits_wait(const viewer* v) {
+  return fields_changed(v) || v->edit.changed_fields || v->edit.changed_ground;
+}
+
 /* Queries what has changed. */
 static void keep_up(viewer* v) {
   scree_error error = {""};
@@ -170,28 +180,22 @@ static void keep_up(viewer* v) {
     if (stage_update_ground(v->stage, &error) != SCREE_OK) say(v, true, error.message);
     v->edit.changed_ground = false;
   }
-  for (uint32_t f = 0; f < v->scene->field_count; ++f) {
-    if (v->edit.changed[f] == 0) continue;
-    scree_result result = stage_update_field(v->stage, f, v->edit.changed[f], &error);
-    if (result == SCREE_OK)
+  if (fields_changed(v)) {
+    const double start = timer_seconds();
+    if (stage_update_fields(v->stage, v->edit.changed, &error) == SCREE_OK)
       v->message[0] = 0;
     else
       say(v, true, error.message);
-    v->edit.changed[f] = 0;
-    v->view.query_seconds = stage_update_seconds(v->stage, f);
-    log_field(v, "query", f);
+    v->view.query_seconds = timer_seconds() - start;
+    for (uint32_t f = 0; f < v->scene->field_count; ++f)
+      if (v->edit.changed[f] != 0) log_field(v, "query", f);
+    memset(v->edit.changed, 0, sizeof v->edit.changed);
     shown = true;
   }
   if (!shown) return;
   if (stage_show(v->stage) != SCREE_OK) say(v, true, "not enough memory for all stones");
   count_stones(v);
   v->moved_at = timer_seconds();
-}
-
-static bool edits_wait(const viewer* v) {
-  for (uint32_t f = 0; f < v->scene->field_count; ++f)
-    if (v->edit.changed[f] != 0) return true;
-  return v->edit.changed_fields || v->edit.changed_ground;
 }
 
 /* --- Commands --- */
