@@ -176,6 +176,7 @@ static scene_node* parent_of(scene_node* at, const scene_node* node, uint32_t* i
 }
 
 void edit_touch(editor* e, uint32_t what) {
+  cliff_parts_free(&e->cliff); /* what it held may be gone */
   if (e->field < SCENE_FIELDS_MAX) e->changed[e->field] |= what;
   e->unsaved = true;
 }
@@ -358,6 +359,22 @@ bool edit_duplicate(editor* e) {
   return true;
 }
 
+bool edit_cliff_time(editor* e, uint32_t time) {
+  if (e->field >= e->scene->field_count || !e->scene->fields[e->field].is_cliff) return false;
+  if (e->scene->fields[e->field].cliff.time == time) return false;
+  if ((e->cliff.fields >> e->field & 1) == 0) {
+    cliff_parts_free(&e->cliff);
+    if (!cliff_parts_find(e->scene, e->field, &e->cliff)) return false;
+  }
+  cliff_parts_set_time(&e->cliff, e->scene, time);
+  for (uint32_t i = 0; i < e->scene->field_count; ++i) {
+    if ((e->cliff.fields >> i & 1) != 0) e->changed[i] |= SCENE_CHANGED_PACK;
+    if ((e->cliff.supports >> i & 1) != 0) e->changed[i] |= SCENE_CHANGED_SUPPORT;
+  }
+  e->unsaved = true;
+  return true;
+}
+
 /* --- Dragging --- */
 
 void edit_drag_begin(editor* e, edit_drag_kind kind, const double grabbed[3], double height) {
@@ -449,11 +466,13 @@ void edit_begin(editor* e, scene_model* scene) {
 }
 
 void edit_end(editor* e) {
+  cliff_parts_free(&e->cliff);
   for (uint32_t i = 0; i < e->history_count; ++i) free(e->history[i]);
   memset(e, 0, sizeof *e);
 }
 
 void edit_commit(editor* e) {
+  cliff_parts_free(&e->cliff);
   if (e->history_count == 0) return; /* no memory from the start: no history */
   char* text = scene_write(e->scene, NULL);
   if (text == NULL) return;
@@ -497,6 +516,7 @@ static bool go_to(editor* e, uint32_t state) {
   if (scene_parse(text, strlen(text), "history", &earlier, &error) != SCREE_OK) return false;
   uint32_t number = 0;
   bool selected = e->node != NULL && number_of_node(e->scene->fields[e->field].support, e->node, &number);
+  cliff_parts_free(&e->cliff);
   scene_destroy(e->scene);
   *e->scene = earlier;
   if (e->field >= e->scene->field_count) e->field = 0;

@@ -2,6 +2,7 @@
 #ifndef EDIT_H
 #define EDIT_H
 
+#include "cliff_parts.h"
 #include "scene.h"
 
 #ifdef __cplusplus
@@ -33,7 +34,7 @@ typedef struct editor {
   scene_node* node; /* selected, in that field's support, or NULL */
 
   /* What the caller has to bring up to date; it clears them when done. */
-  uint32_t changed[SCENE_FIELDS_MAX]; /* STAGE_... of each field */
+  uint32_t changed[SCENE_FIELDS_MAX]; /* SCENE_CHANGED_... of each field */
   bool changed_fields;                /* fields came or went, or anything may have changed */
   bool changed_ground;                /* the terrain's mesh */
   bool unsaved;
@@ -41,6 +42,8 @@ typedef struct editor {
   edit_drag_kind drag;
   double drag_grabbed[3]; /* world point under the pointer when the drag began */
   double drag_position[3], drag_scale, drag_height;
+
+  cliff_parts cliff; /* that edit_cliff_time moves until the step ends; empty otherwise */
 
   char* history[EDIT_HISTORY]; /* scenes as text, owned; the one at `now` is the scene as it was last committed */
   uint32_t history_count, history_now;
@@ -88,6 +91,11 @@ void edit_drag_grab(editor* e, const double eye[3], const double direction[3]);
 /* Moves or scales the selected node. Returns whether anything changed. */
 bool edit_drag_to(editor* e, const double eye[3], const double direction[3], double height);
 void edit_drag_end(editor* e);
+
+/* Moves the cliff that the selected field shows to another time, below 255, with all of its parts. Which these are is found once a
+ * step: a slider that is drawn over the time of other parts at the same place takes them not along. Returns whether anything
+ * changed. */
+bool edit_cliff_time(editor* e, uint32_t time);
 
 /* Notes that the support of the selected field has changed. */
 void edit_touch(editor* e, uint32_t what);

@@ -110,7 +110,31 @@ bool pattern_widgets(scene_node* node) {
   return drag("wavelength", &node->pattern.wavelength, 0.02, kSmall, kLarge) || changed;
 }
 
-bool shape_widgets(scene_node* node) {
+void tooltip(const char* text) {
+  if (!ImGui::IsItemHovered() || ImGui::IsItemActive()) return;
+  ImGui::BeginTooltip();
+  ImGui::PushTextWrapPos(360);
+  ImGui::TextUnformatted(text);
+  ImGui::PopTextWrapPos();
+  ImGui::EndTooltip();
+}
+
+// One of the times that the pack of a cliff keeps.
+bool time_widget(uint32_t* value, uint32_t times) {
+  const uint32_t before = *value, low = 0, high = times - 1;
+  ImGui::SliderScalar("time", ImGuiDataType_U32, value, &low, &high, "%u", ImGuiSliderFlags_AlwaysClamp);
+  return *value != before;
+}
+
+bool mesh_widgets(scene_mesh* mesh, uint32_t times) {
+  ImGui::TextDisabled("%s", mesh->pack[0] != '\0' ? mesh->pack : mesh->file);
+  if (times < 2) return false;  // nothing to choose
+  const bool changed = time_widget(&mesh->time, times);
+  tooltip("Moves this shape alone. The time of a field that shows the cliff moves all of its parts.");
+  return changed;
+}
+
+bool shape_widgets(scene_node* node, uint32_t mesh_times) {
   bool changed = false;
   switch (node->kind) {
     case SCREE_SHAPE_SPHERE: changed |= drag("radius", &node->sphere.radius, 0.02, kSmall, kLarge); break;
@@ -143,7 +167,7 @@ bool shape_widgets(scene_node* node) {
       changed |= drag("above", &node->heightfield.above, 0.02, -kLarge, kLarge);
       changed |= drag("below", &node->heightfield.below, 0.02, -node->heightfield.above + kSmall, kLarge);
       break;
-    case SCREE_SHAPE_MESH: ImGui::TextDisabled("%s", node->mesh.pack[0] != '\0' ? node->mesh.pack : node->mesh.file); break;
+    case SCREE_SHAPE_MESH: changed |= mesh_widgets(&node->mesh, mesh_times); break;
     case SCREE_SHAPE_ELLIPSOID:
       changed |= drag3("radii", node->ellipsoid.radii, 0.02, kLarge);
       for (double& radius : node->ellipsoid.radii) radius = std::clamp(radius, kSmall, kLarge);
@@ -256,14 +280,24 @@ bool scatter_widgets(scene_scatter* scatter) {
   return changed;
 }
 
-// Where a cliff stands, and at which of the times that its pack keeps.
-bool cliff_widgets(const panel_view* v, scene_field* field) {
-  bool changed = false;
-  int time = static_cast<int>(field->cliff.time);
-  if (v->times > 1 && ImGui::SliderInt("time", &time, 0, static_cast<int>(v->times) - 1)) {
-    field->cliff.time = static_cast<uint32_t>(std::clamp(time, 0, static_cast<int>(v->times) - 1));
-    changed = true;
-  }
+// Which of its times a cliff is at: all of its parts go there together.
+void cliff_time_widget(panel* p, panel_view* v, const scene_field* field) {
+  if (v->times < 2) return;
+  uint32_t time = field->cliff.time;
+  if (time_widget(&time, v->times)) p->edited |= edit_cliff_time(v->edit, time);
+  tooltip(
+      "Moves every part of this cliff: the fields of this pack at this time, origin, turn and size, and the mesh shapes of "
+      "supports that are of this pack at this time and stand nearest to this cliff.");
+}
+
+// What a field shows of its cliff, and where it stands.
+bool cliff_widgets(scene_field* field) {
+  static const char* const words[] = {"all", "standing", "blocks"};
+  static_assert(SCREE_CLIFF_STANDING == 1 && SCREE_CLIFF_BLOCKS == 2, "the words are in the order of the values");
+  int what = static_cast<int>(field->cliff.what % 3);
+  bool changed = ImGui::Combo("what", &what, words, 3);
+  if (changed) field->cliff.what = static_cast<uint32_t>(what);
+  tooltip("What this field shows of the cliff: what stands, the blocks that fell, or both.");
   static const char* const axes[] = {"x", "y", "z"};
   for (int a = 0; a < 3; ++a) changed |= drag(axes[a], &field->origin[a], 0.05, -kFar, kFar, "%.2f m");
   changed |= drag("turn", &field->cliff.turn, 0.5, -360, 360, "%.0f degrees");
@@ -301,9 +335,10 @@ void field_widgets(panel* p, panel_view* v) {
   }
   if (field->is_scatter)
     changed |= scatter_widgets(&field->scatter);
-  else if (field->is_cliff)
-    changed |= cliff_widgets(v, field);
-  else
+  else if (field->is_cliff) {
+    cliff_time_widget(p, v, field);
+    changed |= cliff_widgets(field);
+  } else
     changed |= drag("cell size", &field->cell_size, 0.002, 0.01, 1000, "%.3f m");
   if (changed) {
     edit_touch(e, SCENE_CHANGED_PACK);
@@ -397,7 +432,7 @@ void support_widgets(panel* p, panel_view* v) {
   changed |= drag3("position", node->position, 0.02, kFar);
   changed |= drag3("rotation", node->rotation, 0.5, kTurns, "%.1f");
   changed |= drag("scale", &node->scale, 0.005, kSmall, 1000);
-  changed |= shape_widgets(node);
+  changed |= shape_widgets(node, v->mesh_times);
   if (changed) {
     edit_touch(e, SCENE_CHANGED_SUPPORT);
     p->edited = true;

@@ -20,6 +20,7 @@ typedef struct panel_view {
   render_stats stats;
   const uint32_t* stone_counts; /* one a field */
   uint32_t times;               /* of the selected field's cliff; 0 otherwise */
+  uint32_t mesh_times;          /* of the pack that the selected support is a mesh of; 0 otherwise */
   double frame_seconds, query_seconds;
   const char* message; /* the last thing that happened, may be empty */
   bool message_is_error;

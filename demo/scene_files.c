@@ -12,6 +12,7 @@ typedef struct entry {
   char path[SCENE_FILE_SIZE * 4];
   bool is_mesh;
   uint32_t time, lod;   /* of a mesh of a cliff; 0 of others */
+  uint32_t times;       /* that its pack keeps */
   scene_height_map map; /* heights only */
   triangle_mesh mesh;   /* of a file; its UVs are let go */
   scree_mesh cliff;     /* of a pack */
@@ -103,14 +104,15 @@ static scree_result decode_cliff(const scree_pack* pack, uint32_t asset, uint32_
 }
 #endif
 
-/* What stands of a cliff, from its pack. */
-static scree_result load_cliff(const char* path, const scene_mesh* from, scree_mesh* out, scree_error* error) {
+/* What stands of a cliff, from its pack. times: how many it keeps. */
+static scree_result load_cliff(const char* path, const scene_mesh* from, scree_mesh* out, uint32_t* times, scree_error* error) {
   scree_pack* pack;
   scree_result result = scree_pack_open_file(path, NULL, &pack);
   if (result != SCREE_OK) return say(result, path, NULL, error);
   scree_pack_info info;
   scree_cliff_time time;
   scree_pack_get_info(pack, &info);
+  *times = info.time_count;
   if (info.kind != SCREE_PACK_CLIFF)
     result = say(SCREE_ERROR_PACK_KIND, path, "holds no cliff", error);
   else if (from->time >= info.time_count)
@@ -159,7 +161,7 @@ static scree_result find_entry(scene_files* files, const scene_paths* paths, con
     e->lod = mesh->lod;
   }
   result = map != NULL ? height_samples_load(map, e->path, &e->heights, &cause)
-           : is_cliff  ? load_cliff(e->path, mesh, &e->cliff, &cause)
+           : is_cliff  ? load_cliff(e->path, mesh, &e->cliff, &e->times, &cause)
                        : triangle_mesh_load(e->path, &e->mesh, &cause);
   if (result != SCREE_OK) {
     fail_with(error, result, "%s: %s: %.400s", paths->scene, where, cause.message);
@@ -188,6 +190,14 @@ scree_result scene_files_mesh(scene_files* files, const scene_paths* paths, cons
                                               .triangle_count = file->triangle_count};
   out->resolution = mesh->resolution;
   return SCREE_OK;
+}
+
+uint32_t scene_files_times(const scene_files* files, const scene_paths* paths, const scene_mesh* mesh) {
+  char path[SCENE_FILE_SIZE * 4];
+  if (mesh->pack[0] == '\0' || scene_find_pack(paths, "", mesh->pack, path, sizeof path, NULL) != SCREE_OK) return 0;
+  for (const entry* known = files->first; known != NULL; known = known->next)
+    if (known->times > 0 && strcmp(known->path, path) == 0) return known->times;
+  return 0;
 }
 
 static const scene_mesh no_mesh;

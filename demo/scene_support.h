@@ -42,6 +42,9 @@ scree_result scene_files_mesh(scene_files* files, const scene_paths* paths, cons
 scree_result scene_files_heights(scene_files* files, const scene_paths* paths, const char* where, const scene_height_map* map,
                                  const height_samples** out, scree_error* error);
 
+/* How many times the pack of a cliff's mesh keeps: 0 unless a mesh of that pack was asked for before, and of a mesh of a file. */
+uint32_t scene_files_times(const scene_files* files, const scene_paths* paths, const scene_mesh* mesh);
+
 /* Compiles the support of field `index`. The support stands on its own: the scene may change afterwards.
  * The position of the root becomes the support's origin, in doubles, so that a scene may lie far from the world's.
  * files: may be NULL (every file is then read). jobs: may be NULL. reuse: NULL, or an earlier support, whose grids of the same

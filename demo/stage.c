@@ -315,6 +315,10 @@ uint32_t stage_times(const stage* s, uint32_t field) {
   return info.time_count;
 }
 
+uint32_t stage_mesh_times(const stage* s, const scene_node* node) {
+  return node->kind == SCREE_SHAPE_MESH ? scene_files_times(scene_live_files(s->world), &s->desc.paths, &node->mesh) : 0;
+}
+
 scene_files* stage_files(stage* s) {
   return scene_live_files(s->world);
 }

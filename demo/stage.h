@@ -59,6 +59,8 @@ double stage_update_seconds(const stage* s, uint32_t index);
 scene_files* stage_files(stage* s);
 /* Times of a field's cliff; 0 for other fields and those that are not open. */
 uint32_t stage_times(const stage* s, uint32_t field);
+/* The same for a node that is a mesh of a cliff; 0 for other nodes. */
+uint32_t stage_mesh_times(const stage* s, const scene_node* node);
 
 /* A camera of the renderer's space from world points (metres) and a vertical field of view in degrees. */
 void stage_camera(const stage* s, const double eye[3], const double target[3], double field_of_view, camera* out);

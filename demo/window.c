@@ -485,6 +485,7 @@ static void frame(viewer* v, double seconds_since) {
   v->view.size = 0.12 * (double)v->camera.distance;
   v->view.message = v->message;
   v->view.times = stage_times(v->stage, v->edit.field);
+  v->view.mesh_times = v->edit.node != NULL ? stage_mesh_times(v->stage, v->edit.node) : 0;
   panel_wishes wishes;
   panel_draw(v->panel, &v->view, &wishes);
   if (wishes.save) save_scene(v);
