@@ -44,16 +44,9 @@ static double normal_of(const double* positions, const uint32_t* indices, uint32
 }
 
 static double extent_of(const double* positions, uint32_t vertex_count) {
-  double extent = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    double min = positions[axis], max = positions[axis];
-    for (size_t i = 1; i < vertex_count; ++i) {
-      const double x = positions[3 * i + (size_t)axis];
-      min = x < min ? x : min;
-      max = x > max ? x : max;
-    }
-    extent = max - min > extent ? max - min : extent;
-  }
+  double min[3], max[3], extent = 0;
+  points_bounds(positions, vertex_count, min, max);
+  for (int axis = 0; axis < 3; ++axis) extent = max[axis] - min[axis] > extent ? max[axis] - min[axis] : extent;
   return extent;
 }
 

@@ -1,29 +1,12 @@
 #include "creases.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "allocator.h"
 #include "disjoint_sets.h"
+#include "triangle_sides.h"
 #include "vectors.h"
-
-/* A side of a triangle by its ends, so that the two triangles at an edge stand side by side. */
-typedef struct side {
-  uint32_t low, high;
-  uint32_t corner; /* 3 * triangle + k: from corner k to corner k + 1 */
-} side;
-
-static int compare_sides(const void* a, const void* b) {
-  const side *x = a, *y = b;
-  if (x->low != y->low) return x->low < y->low ? -1 : 1;
-  if (x->high != y->high) return x->high < y->high ? -1 : 1;
-  return (x->corner > y->corner) - (x->corner < y->corner);
-}
-
-static uint32_t next_corner(uint32_t corner) {
-  return corner % 3 == 2 ? corner - 2 : corner + 1;
-}
 
 /* Twice the area vector. */
 static void area_vector(const scree_solid* solid, uint32_t triangle, double out[3]) {
@@ -40,7 +23,7 @@ static void area_vector(const scree_solid* solid, uint32_t triangle, double out[
  * or the triangles. */
 typedef enum joined { CORNERS, TRIANGLES } joined;
 
-static void join_over_edges(const scree_solid* solid, const side* sides, joined what, uint32_t* parents) {
+static void join_over_edges(const scree_solid* solid, const triangle_side* sides, joined what, uint32_t* parents) {
   const uint32_t count = solid->triangle_count * 3;
   for (uint32_t i = 0; i < count;) {
     uint32_t end = i + 1;
@@ -84,14 +67,10 @@ static void add_normals(const scree_solid* solid, uint32_t* parents, double* nor
 /* Joins what smooth edges join. parents: one a corner. */
 static scree_result find_smooth(const scree_solid* solid, joined what, const scree_allocator* allocator, uint32_t* parents) {
   const uint32_t corners = solid->triangle_count * 3;
-  side* sides = scree_rt_allocate(allocator, corners, sizeof *sides);
+  triangle_side* sides = scree_rt_allocate(allocator, corners, sizeof *sides);
   if (sides == NULL) return SCREE_ERROR_OUT_OF_MEMORY;
-  for (uint32_t c = 0; c < corners; ++c) {
-    const uint32_t from = solid->indices[c], to = solid->indices[next_corner(c)];
-    sides[c] = (side){from < to ? from : to, from < to ? to : from, c};
-    parents[c] = c;
-  }
-  qsort(sides, corners, sizeof *sides, compare_sides);
+  triangle_sides_sort(solid->indices, solid->triangle_count, sides);
+  for (uint32_t c = 0; c < corners; ++c) parents[c] = c;
   join_over_edges(solid, sides, what, parents);
   scree_rt_release(allocator, sides, corners, sizeof *sides);
   return SCREE_OK;

@@ -1,6 +1,7 @@
 /* What rules may say. */
 #include <string.h>
 
+#include "faults.h"
 #include "frost_internal.h"
 #include "support_text.h"
 
@@ -63,11 +64,6 @@ static scree_result missing(scree_error* error, const char* name, const char* wh
 }
 
 /* --- checks ------------------------------------------------------------------------------------------------------------------ */
-
-/* False for what is not a number, too. */
-static bool within(double value, double low, double high) {
-  return value >= low && value <= high;
-}
 
 bool frost_unit(const double v[3], double out[3]) {
   double most = 0;

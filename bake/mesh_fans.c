@@ -1,29 +1,11 @@
 /* Vertices with one fan of triangles each. */
 #include <math.h>
-#include <stdlib.h>
 
 #include "allocator.h"
 #include "disjoint_sets.h"
 #include "mesh_simplify.h"
+#include "triangle_sides.h"
 #include "vectors.h"
-
-/* A side of a triangle, from corner k to the next. */
-typedef struct side {
-  uint32_t low, high;
-  uint32_t corner; /* 3 * triangle + k */
-  bool rising;     /* from low to high */
-} side;
-
-static int compare_sides(const void* a, const void* b) {
-  const side *x = a, *y = b;
-  if (x->low != y->low) return x->low < y->low ? -1 : 1;
-  if (x->high != y->high) return x->high < y->high ? -1 : 1;
-  return (x->corner > y->corner) - (x->corner < y->corner);
-}
-
-static uint32_t next_corner(uint32_t corner) {
-  return corner % 3 == 2 ? corner - 2 : corner + 1;
-}
 
 /* From a side of triangle `from` through the rock to triangle `to`, as a number that rises with the angle: 0..4. */
 static double turn_between(const double* positions, const uint32_t* flat, uint32_t from, uint32_t to) {
@@ -43,7 +25,7 @@ static double turn_between(const double* positions, const uint32_t* flat, uint32
 }
 
 /* The sides at one edge in pairs, each rising one with a falling one. */
-static bool pair_sides(const double* positions, const uint32_t* flat, side* sides, uint32_t count, uint32_t* parents) {
+static bool pair_sides(const double* positions, const uint32_t* flat, triangle_side* sides, uint32_t count, uint32_t* parents) {
   uint32_t rising = 0;
   for (uint32_t i = 0; i < count; ++i) rising += sides[i].rising;
   if (2 * rising != count) return false;
@@ -68,15 +50,11 @@ scree_result mesh_split_fans(const double* positions, uint32_t (*corners)[3], ui
                              const scree_allocator* allocator, uint32_t* vertex_of, uint32_t* vertex_count) {
   const uint32_t count = 3 * triangle_count;
   uint32_t* flat = corners[0];
-  side* sides = scree_rt_allocate(allocator, count, sizeof *sides);
+  triangle_side* sides = scree_rt_allocate(allocator, count, sizeof *sides);
   uint32_t* parents = scree_rt_allocate(allocator, count, sizeof *parents);
   scree_result result = sides != NULL && parents != NULL ? SCREE_OK : SCREE_ERROR_OUT_OF_MEMORY;
-  for (uint32_t c = 0; result == SCREE_OK && c < count; ++c) {
-    const uint32_t from = flat[c], to = flat[next_corner(c)];
-    sides[c] = (side){from < to ? from : to, from < to ? to : from, c, from < to};
-    parents[c] = c;
-  }
-  if (result == SCREE_OK) qsort(sides, count, sizeof *sides, compare_sides);
+  if (result == SCREE_OK) triangle_sides_sort(flat, triangle_count, sides);
+  for (uint32_t c = 0; result == SCREE_OK && c < count; ++c) parents[c] = c;
   for (uint32_t i = 0; result == SCREE_OK && i < count;) {
     uint32_t end = i + 1;
     while (end < count && sides[end].low == sides[i].low && sides[end].high == sides[i].high) ++end;

@@ -57,4 +57,18 @@ static inline double repeatable_cos_to_pi(double x) {
   return x <= pi / 2 ? repeatable_cos(x) : -repeatable_cos(pi - x > 0 ? pi - x : 0);
 }
 
+/* The cube root by Newton's method, from above; 0 where x is not above 0. */
+static inline double repeatable_cube_root(double x) {
+  if (!(x > 0)) return 0;
+  double root = 1;
+  while (root * root * root < x) root *= 2;
+  while (root * root * root > x * 8) root *= 0.5;
+  for (int k = 0; k < 40; ++k) {
+    const double better = (2 * root + x / (root * root)) / 3;
+    if (better >= root) break;
+    root = better;
+  }
+  return root;
+}
+
 #endif

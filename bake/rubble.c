@@ -3,7 +3,9 @@
 #include <math.h>
 #include <string.h>
 
+#include "faults.h"
 #include "frost_internal.h"
+#include "random.h"
 #include "rubble_internal.h"
 #include "support_text.h"
 
@@ -29,42 +31,21 @@ typedef struct work {
   double mean_volume; /* of blocks that are kept */
 } work;
 
-static scree_result wrong(scree_error* error, const char* name, double value, const char* what) {
-  scree_rt_text_clear(error);
-  scree_rt_text_add(error, name);
-  scree_rt_text_add(error, ": ");
-  scree_rt_text_add_number(error, value);
-  scree_rt_text_add(error, ": ");
-  scree_rt_text_add(error, what);
-  return SCREE_ERROR_RANGE;
-}
-
-static bool within(double value, double low, double high) {
-  return value >= low && value <= high;
-}
-
 static scree_result check(const scree_rubble_desc* desc, scree_error* error) {
   scree_rt_text_clear(error);
-  if (!within(desc->ground, -1e6, 1e6)) return wrong(error, "ground", desc->ground, "within 1e6");
-  if (!within(desc->resolution, 0, 1e6)) return wrong(error, "resolution", desc->resolution, "0 to 1e6");
-  if (!within(desc->repose, 0, 100)) return wrong(error, "repose", desc->repose, "0 to 100");
-  if (!within(desc->min_volume, 0, 1e18)) return wrong(error, "min_volume", desc->min_volume, "0 to 1e18");
-  if (!within(desc->share, 0, 1)) return wrong(error, "share", desc->share, "0 to 1");
-  if (!within(desc->reach, 0, 1e6)) return wrong(error, "reach", desc->reach, "0 to 1e6");
+  if (!within(desc->ground, -1e6, 1e6)) return fault_value(error, "ground", desc->ground, "within 1e6");
+  if (!within(desc->resolution, 0, 1e6)) return fault_value(error, "resolution", desc->resolution, "0 to 1e6");
+  if (!within(desc->repose, 0, 100)) return fault_value(error, "repose", desc->repose, "0 to 100");
+  if (!within(desc->min_volume, 0, 1e18)) return fault_value(error, "min_volume", desc->min_volume, "0 to 1e18");
+  if (!within(desc->share, 0, 1)) return fault_value(error, "share", desc->share, "0 to 1");
+  if (!within(desc->reach, 0, 1e6)) return fault_value(error, "reach", desc->reach, "0 to 1e6");
   if (desc->heights == NULL) return SCREE_OK;
-  if (desc->width < 2) return wrong(error, "width", desc->width, "at least 2");
-  if (desc->depth < 2) return wrong(error, "depth", desc->depth, "at least 2");
-  if (!within(desc->spacing, 1e-6, 1e6)) return wrong(error, "spacing", desc->spacing, "1e-6 to 1e6");
+  if (desc->width < 2) return fault_value(error, "width", desc->width, "at least 2");
+  if (desc->depth < 2) return fault_value(error, "depth", desc->depth, "at least 2");
+  if (!within(desc->spacing, 1e-6, 1e6)) return fault_value(error, "spacing", desc->spacing, "1e-6 to 1e6");
   for (size_t i = 0; i < (size_t)desc->width * desc->depth; ++i)
-    if (!within(desc->heights[i], -1e6, 1e6)) return wrong(error, "heights", desc->heights[i], "within 1e6");
+    if (!within(desc->heights[i], -1e6, 1e6)) return fault_value(error, "heights", desc->heights[i], "within 1e6");
   return SCREE_OK;
-}
-
-/* The cube root, by Newton's method: libm's differs between systems. */
-static double cube_root(double volume) {
-  double root = volume > 1 ? volume : 1;
-  for (int i = 0; i < 200; ++i) root = (2 * root + volume / (root * root)) / 3;
-  return root;
 }
 
 /* --- frame and grid --------------------------------------------------------------------------------------------------------------
@@ -130,7 +111,7 @@ static scree_result make_grid(work* w, scree_error* error) {
   }
   double size = w->desc->resolution, widest = w->high[0] - w->low[0];
   if (w->high[2] - w->low[2] > widest) widest = w->high[2] - w->low[2];
-  if (size == 0) size = cube_root(v->volume / v->shard_count) / 3;
+  if (size == 0) size = repeatable_cube_root(v->volume / v->shard_count) / 3;
   w->reach = w->desc->reach > 0 ? w->desc->reach : 0.5 * widest;
   /* Half the solid more, so that a block that ends within reach has all its columns. */
   const double margin = w->reach + 0.5 * widest + size;
@@ -139,7 +120,7 @@ static scree_result make_grid(work* w, scree_error* error) {
     origin[k] = w->low[2 * k] - margin;
     sides[k] = floor((w->high[2 * k] + margin - origin[k]) / size) + 1;
   }
-  if (!(sides[0] * sides[1] <= MOST_COLUMNS)) return wrong(error, "resolution", size, "too small: more than 2^24 columns");
+  if (!(sides[0] * sides[1] <= MOST_COLUMNS)) return fault_value(error, "resolution", size, "too small: more than 2^24 columns");
   const uint32_t count[2] = {(uint32_t)sides[0], (uint32_t)sides[1]};
   return dexels_create(&w->allocator, origin, size, count, &w->solid);
 }
@@ -354,7 +335,7 @@ static scree_result make_scratch(work* w, scree_rubble* rubble, scree_error* err
     }
   }
   const double side = floor(2 * sqrt(widest) / w->solid.size) + 4;
-  if (!(side * side <= MOST_COLUMNS)) return wrong(error, "resolution", w->solid.size, "too small for so large a block");
+  if (!(side * side <= MOST_COLUMNS)) return fault_value(error, "resolution", w->solid.size, "too small for so large a block");
   const uint32_t cells = (uint32_t)(side * side);
   for (int r = 0; r < 2; ++r) {
     w->rasters[r].cells = scree_rt_allocate(&w->allocator, cells, sizeof(rubble_cell));

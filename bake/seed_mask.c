@@ -138,14 +138,7 @@ static void fill(const solid_inside* inside, seed_mask* m) {
 scree_result seed_mask_create(const seed_mask_desc* desc, const scree_allocator* allocator, seed_mask* out) {
   memset(out, 0, sizeof *out);
   double max[3];
-  for (int a = 0; a < 3; ++a) {
-    out->min[a] = max[a] = desc->positions[a];
-    for (size_t v = 1; v < desc->vertex_count; ++v) {
-      const double x = desc->positions[3 * v + (size_t)a];
-      if (x < out->min[a]) out->min[a] = x;
-      if (x > max[a]) max[a] = x;
-    }
-  }
+  points_bounds(desc->positions, desc->vertex_count, out->min, max);
   for (out->step = desc->step;; out->step *= 1.25) {
     double boxes = 1;
     for (int a = 0; a < 3; ++a) {

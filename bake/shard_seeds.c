@@ -54,17 +54,6 @@ scree_result seed_job_mask(seed_job* job, double step, double most, seed_reach r
   return result == SCREE_OK ? result : no_memory(job->error);
 }
 
-/* The cube root of x > 0, by Newton's steps from above. */
-static double cube_root(double x) {
-  double r = x > 1 ? x : 1;
-  for (int i = 0; i < 400; ++i) {
-    const double next = (2 * r + x / (r * r)) / 3;
-    if (!(next < r)) break;
-    r = next;
-  }
-  return r;
-}
-
 static double largest_side(const seed_job* job) {
   double side = 0;
   for (int a = 0; a < 3; ++a) side = fmax(side, job->max[a] - job->min[a]);
@@ -145,7 +134,7 @@ scree_result seeds_random(seed_job* job, uint32_t count, uint64_t random_seed) {
 
 static scree_result lay_grid(seed_job* job) {
   const scree_seed_pattern* p = job->pattern;
-  const double s = p->count > 0 ? cube_root(job->volume / p->count) : p->spacing;
+  const double s = p->count > 0 ? repeatable_cube_root(job->volume / p->count) : p->spacing;
   const double reach = s * half_sqrt3 * (1 + p->jitter); /* no point is farther from its nearest seed */
   seed_mask mask;
   scree_result result = seed_job_mask(job, reach / 3, reach, NULL, NULL, &mask);
@@ -333,7 +322,7 @@ static scree_result mean_height(seed_job* job, double* out) {
 static scree_result lay_slabs(seed_job* job) {
   const scree_seed_pattern* p = job->pattern;
   double s = p->spacing, most = 0;
-  if (p->count > 0 && p->layer_count == 0) s = cube_root(job->volume / p->count);
+  if (p->count > 0 && p->layer_count == 0) s = repeatable_cube_root(job->volume / p->count);
   if (p->count > 0 && p->layer_count > 0) {
     double mean;
     const scree_result result = mean_height(job, &mean);
@@ -452,7 +441,7 @@ static scree_result fit_radius(seed_job* job, seed_radius* r) {
     }
     job->seeds.count = 0;
   }
-  const double scale = cube_root(DISCS_PER_VOLUME * job->volume * mean / job->pattern->count);
+  const double scale = repeatable_cube_root(DISCS_PER_VOLUME * job->volume * mean / job->pattern->count);
   for (int i = 0; i < 2; ++i) r->radii[i] *= scale;
   return SCREE_OK;
 }

@@ -2,6 +2,7 @@
 
 #include "convex_walls.h"
 #include "shard_pieces.h"
+#include "vectors.h"
 #include "voronoi_cell.h"
 
 /* Cells of one job, and jobs before their cells are joined: what is held at once stays small. */
@@ -254,16 +255,10 @@ static scree_result cut_and_join(cutting* c, shard_pieces* out) {
 static void bound(cutting* c) {
   const shard_input* input = c->input;
   double longest = 0;
+  points_bounds(input->positions, input->vertex_count, c->bounds.min, c->bounds.max);
   for (int axis = 0; axis < 3; ++axis) {
-    double min = input->positions[axis], max = min;
-    for (size_t i = 1; i < input->vertex_count; ++i) {
-      const double x = input->positions[3 * i + (size_t)axis];
-      min = x < min ? x : min;
-      max = x > max ? x : max;
-    }
-    c->bounds.min[axis] = min;
-    c->bounds.max[axis] = max;
-    longest = max - min > longest ? max - min : longest;
+    const double length = c->bounds.max[axis] - c->bounds.min[axis];
+    longest = length > longest ? length : longest;
   }
   /* Clear of the walls, so that none lies in a side of the box. */
   for (int axis = 0; axis < 3; ++axis) {

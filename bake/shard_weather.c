@@ -36,13 +36,7 @@ static scree_result choose_clip(const scree_shard_desc* desc, const scree_solid*
 /* Points that are all beside the solid leave it nearly whole: a mistake of units or of the place. */
 static scree_result check_points(const scree_seed_pattern* pattern, const scree_solid* solid, scree_error* error) {
   double low[3], high[3];
-  memcpy(low, solid->positions, sizeof low);
-  memcpy(high, solid->positions, sizeof high);
-  for (size_t i = 3; i < 3 * (size_t)solid->vertex_count; ++i) {
-    const double at = solid->positions[i];
-    if (at < low[i % 3]) low[i % 3] = at;
-    if (at > high[i % 3]) high[i % 3] = at;
-  }
+  solid_bounds(solid, low, high);
   for (uint32_t i = 0; i < pattern->point_count; ++i) {
     bool within = true;
     for (uint32_t a = 0; a < 3; ++a)

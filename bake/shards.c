@@ -4,9 +4,11 @@
 
 #include "convex_walls.h"
 #include "lattice.h"
+#include "random.h"
 #include "shard_space.h"
 #include "shards_internal.h"
 #include "solid_internal.h"
+#include "vectors.h"
 
 enum { MOST_ATTEMPTS = 8 };
 
@@ -101,28 +103,12 @@ static scree_result choose_clip(const scree_shards_desc* desc, const shard_input
 
 /* --- attempts --------------------------------------------------------------------------------------------------------------- */
 
-/* The cube root by Newton's method: libm's differs between systems. */
-static double cube_root(double x) {
-  double root = 1;
-  while (root * root * root < x) root *= 2;
-  while (root * root * root > 8 * x && root > 1e-100) root *= 0.5;
-  for (int k = 0; k < 40; ++k) root = (2 * root + x / (root * root)) / 3;
-  return root;
-}
-
 /* How far seeds are apart, roughly: as if they filled the solid's box. */
 static double spacing_of(const shard_input* input) {
-  double volume = 1;
-  for (int axis = 0; axis < 3; ++axis) {
-    double min = input->positions[axis], max = min;
-    for (size_t i = 1; i < input->vertex_count; ++i) {
-      const double x = input->positions[3 * i + (size_t)axis];
-      min = x < min ? x : min;
-      max = x > max ? x : max;
-    }
-    volume *= max - min;
-  }
-  return volume > 0 ? cube_root(volume / input->seed_count) : 1;
+  double min[3], max[3];
+  points_bounds(input->positions, input->vertex_count, min, max);
+  const double volume = (max[0] - min[0]) * (max[1] - min[1]) * (max[2] - min[2]);
+  return volume > 0 ? repeatable_cube_root(volume / input->seed_count) : 1;
 }
 
 static void move_seeds(const double* from, uint32_t count, uint32_t attempt, double reach, double* out) {

@@ -6,6 +6,7 @@
 #include "recipe_text.h"
 #include "solid_crossings.h"
 #include "solid_internal.h"
+#include "vectors.h"
 
 enum { TERRAIN_TILE = 16 }; /* samples a side of one fan of a terrain's base */
 
@@ -35,13 +36,7 @@ scree_result solid_check_numbers(const scree_solid* solid, scree_error* error) {
 }
 
 void solid_bounds(const scree_solid* solid, double min[3], double max[3]) {
-  for (int a = 0; a < 3; ++a) min[a] = max[a] = solid->positions[a];
-  for (size_t v = 1; v < solid->vertex_count; ++v)
-    for (int a = 0; a < 3; ++a) {
-      const double x = solid->positions[3 * v + (size_t)a];
-      if (x < min[a]) min[a] = x;
-      if (x > max[a]) max[a] = x;
-    }
+  points_bounds(solid->positions, solid->vertex_count, min, max);
 }
 
 double solid_volume6(const scree_solid* solid) {

@@ -1,22 +1,10 @@
 #include <string.h>
 
+#include "random.h"
+#include "vectors.h"
 #include "voronoi_cell.h"
 
 enum { MAX_SIDE = 1024 };
-
-/* The cube root by Newton's method: libm's differs between systems. */
-static double cube_root(double x) {
-  if (!(x > 0)) return 0;
-  double root = 1;
-  while (root * root * root < x) root *= 2;
-  while (root * root * root > x * 8) root *= 0.5;
-  for (int k = 0; k < 40; ++k) {
-    const double better = (2 * root + x / (root * root)) / 3;
-    if (better >= root) break;
-    root = better;
-  }
-  return root;
-}
 
 static uint32_t box_along(const voronoi_grid* grid, int axis, double x) {
   const double box = (x - grid->min[axis]) / grid->step[axis];
@@ -31,13 +19,7 @@ static uint32_t box_at(const voronoi_grid* grid, const double point[3]) {
 
 static void choose_size(voronoi_grid* grid) {
   double max[3], extent[3], longest = 0;
-  for (int axis = 0; axis < 3; ++axis) grid->min[axis] = max[axis] = grid->seeds[axis];
-  for (size_t i = 1; i < grid->seed_count; ++i)
-    for (int axis = 0; axis < 3; ++axis) {
-      const double x = grid->seeds[3 * i + (size_t)axis];
-      if (x < grid->min[axis]) grid->min[axis] = x;
-      if (x > max[axis]) max[axis] = x;
-    }
+  points_bounds(grid->seeds, grid->seed_count, grid->min, max);
   for (int axis = 0; axis < 3; ++axis) {
     extent[axis] = max[axis] - grid->min[axis];
     if (extent[axis] > longest) longest = extent[axis];
@@ -46,7 +28,7 @@ static void choose_size(voronoi_grid* grid) {
   for (int axis = 0; axis < 3; ++axis)
     if (extent[axis] < 1e-3 * longest) extent[axis] = 1e-3 * longest;
   const double step =
-      cube_root(extent[0] / longest * (extent[1] / longest) * (extent[2] / longest) * 2.5 / grid->seed_count) * longest;
+      repeatable_cube_root(extent[0] / longest * (extent[1] / longest) * (extent[2] / longest) * 2.5 / grid->seed_count) * longest;
   for (int axis = 0; axis < 3; ++axis) {
     const double boxes = extent[axis] / step;
     grid->size[axis] = boxes >= MAX_SIDE ? MAX_SIDE : (uint32_t)boxes + 1;

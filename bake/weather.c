@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "faults.h"
 #include "lattice.h"
 #include "support_text.h"
 #include "weather_counts.h"
@@ -46,7 +47,7 @@ static uint64_t bytes_of(const extent* e, bool mixed) {
 static scree_result check(const scree_weather_desc* desc, scree_error* error, uint64_t* bytes) {
   scree_rt_text_clear(error);
   if (desc->jobs.parallel_for != NULL && desc->jobs.worker_count < 1)
-    return weather_wrong(error, "jobs.worker_count", desc->jobs.worker_count, "at least 1");
+    return fault_value(error, "jobs.worker_count", desc->jobs.worker_count, "at least 1");
   scree_result result = weather_check_start(&desc->start, error);
   if (result == SCREE_OK) result = weather_check_rules(&desc->rules, desc->start.size, error);
   if (result != SCREE_OK) return result;

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "faults.h"
 #include "support_text.h"
 
 static const scree_durability_point default_durability[1] = {{.durability = 1}};
@@ -27,17 +28,7 @@ void scree_weather_rules_default(scree_weather_rules* out) {
 
 /* --- checks ------------------------------------------------------------------------------------------------------------------ */
 
-scree_result weather_wrong(scree_error* error, const char* name, double value, const char* what) {
-  scree_rt_text_clear(error);
-  scree_rt_text_add(error, name);
-  scree_rt_text_add(error, ": ");
-  scree_rt_text_add_number(error, value);
-  scree_rt_text_add(error, ": ");
-  scree_rt_text_add(error, what);
-  return SCREE_ERROR_RANGE;
-}
-
-/* As weather_wrong, with the place in an array: "array[index].name: value: what". */
+/* As fault_value, with the place in an array: "array[index].name: value: what". */
 static scree_result wrong_at(scree_error* error, const char* array, uint32_t index, const char* name, double value,
                              const char* what) {
   scree_rt_text_clear(error);
@@ -51,11 +42,6 @@ static scree_result wrong_at(scree_error* error, const char* array, uint32_t ind
   scree_rt_text_add(error, ": ");
   scree_rt_text_add(error, what);
   return SCREE_ERROR_RANGE;
-}
-
-/* False for what is not a number, too. */
-static bool within(double value, double low, double high) {
-  return value >= low && value <= high;
 }
 
 static scree_result missing(scree_error* error, const char* what) {
@@ -108,40 +94,40 @@ static scree_result check_bubbles(const scree_weather_rules* rules, const uint32
 
 static scree_result check_curve(const scree_curve* curve, bool cavernous, scree_error* error) {
   if ((uint32_t)curve->kind > SCREE_CURVE_SATURATING)
-    return weather_wrong(error, cavernous ? "cavernous.kind" : "spheroidal.kind", curve->kind, "no such curve");
+    return fault_value(error, cavernous ? "cavernous.kind" : "spheroidal.kind", curve->kind, "no such curve");
   if (curve->kind == SCREE_CURVE_NONE) return SCREE_OK;
   if (!within(curve->gain, 0, 1e3))
-    return weather_wrong(error, cavernous ? "cavernous.gain" : "spheroidal.gain", curve->gain, "0 to 1000");
+    return fault_value(error, cavernous ? "cavernous.gain" : "spheroidal.gain", curve->gain, "0 to 1000");
   if (curve->kind != SCREE_CURVE_SATURATING) return SCREE_OK;
   if (!within(curve->threshold, -1, 1))
-    return weather_wrong(error, cavernous ? "cavernous.threshold" : "spheroidal.threshold", curve->threshold, "-1 to 1");
+    return fault_value(error, cavernous ? "cavernous.threshold" : "spheroidal.threshold", curve->threshold, "-1 to 1");
   if (!(curve->saturation > 0) || !(curve->saturation <= 2))
-    return weather_wrong(error, cavernous ? "cavernous.saturation" : "spheroidal.saturation", curve->saturation,
-                         "more than 0, up to 2");
+    return fault_value(error, cavernous ? "cavernous.saturation" : "spheroidal.saturation", curve->saturation,
+                       "more than 0, up to 2");
   if (curve->power < 1 || curve->power > 4)
-    return weather_wrong(error, cavernous ? "cavernous.power" : "spheroidal.power", curve->power, "1 to 4");
+    return fault_value(error, cavernous ? "cavernous.power" : "spheroidal.power", curve->power, "1 to 4");
   return SCREE_OK;
 }
 
 scree_result weather_check_rules(const scree_weather_rules* rules, const uint32_t size[3], scree_error* error) {
   if (rules->durability == NULL || rules->bubbles == NULL) return missing(error, "rules: no durability graph or no bubble graph");
   if (rules->durability_count < 1 || rules->durability_count > 256)
-    return weather_wrong(error, "durability_count", rules->durability_count, "1 to 256");
+    return fault_value(error, "durability_count", rules->durability_count, "1 to 256");
   if (rules->bubble_count < 1 || rules->bubble_count > 64)
-    return weather_wrong(error, "bubble_count", rules->bubble_count, "1 to 64");
+    return fault_value(error, "bubble_count", rules->bubble_count, "1 to 64");
   scree_result result = check_durability(rules, error);
   if (result == SCREE_OK) result = check_bubbles(rules, size, error);
   if (result == SCREE_OK) result = check_curve(&rules->spheroidal, false, error);
   if (result == SCREE_OK) result = check_curve(&rules->cavernous, true, error);
   if (result != SCREE_OK) return result;
-  if (!within(rules->exposure, 0, 2)) return weather_wrong(error, "exposure", rules->exposure, "0 to 2");
-  if (!within(rules->steps_per_voxel, 1, 1e4)) return weather_wrong(error, "steps_per_voxel", rules->steps_per_voxel, "1 to 1e4");
-  if (!within(rules->colluvium_share, 0, 1)) return weather_wrong(error, "colluvium_share", rules->colluvium_share, "0 to 1");
+  if (!within(rules->exposure, 0, 2)) return fault_value(error, "exposure", rules->exposure, "0 to 2");
+  if (!within(rules->steps_per_voxel, 1, 1e4)) return fault_value(error, "steps_per_voxel", rules->steps_per_voxel, "1 to 1e4");
+  if (!within(rules->colluvium_share, 0, 1)) return fault_value(error, "colluvium_share", rules->colluvium_share, "0 to 1");
   if (!(rules->colluvium_durability > 0) || !(rules->colluvium_durability <= 1e6))
-    return weather_wrong(error, "colluvium_durability", rules->colluvium_durability, "more than 0, up to 1e6");
-  if (!within(rules->repose, 1.0 / 16, 4)) return weather_wrong(error, "repose", rules->repose, "1/16 to 4");
+    return fault_value(error, "colluvium_durability", rules->colluvium_durability, "more than 0, up to 1e6");
+  if (!within(rules->repose, 1.0 / 16, 4)) return fault_value(error, "repose", rules->repose, "1/16 to 4");
   if ((uint32_t)rules->rockfall > SCREE_ROCKFALL_COLLUVIUM)
-    return weather_wrong(error, "rockfall", rules->rockfall, "no such kind of rockfall");
+    return fault_value(error, "rockfall", rules->rockfall, "no such kind of rockfall");
   return SCREE_OK;
 }
 

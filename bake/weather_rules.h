@@ -4,9 +4,6 @@
 
 #include "weather_internal.h"
 
-/* A number out of its range: "name: value: what". Returns SCREE_ERROR_RANGE. */
-scree_result weather_wrong(scree_error* error, const char* name, double value, const char* what);
-
 scree_result weather_check_rules(const scree_weather_rules* rules, const uint32_t size[3], scree_error* error);
 
 /* Bytes of the tables of checked rules, and whether some segment is a mixture. */

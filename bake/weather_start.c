@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "faults.h"
 #include "lattice.h"
 #include "support_program.h"
 #include "support_text.h"
@@ -13,10 +14,6 @@ static scree_result invalid(scree_error* error, const char* text) {
   scree_rt_text_clear(error);
   scree_rt_text_add(error, text);
   return SCREE_ERROR_INVALID_ARGUMENT;
-}
-
-static bool within(double value, double low, double high) {
-  return value >= low && value <= high;
 }
 
 static bool whole_grid(const scree_weather_start* s) {
@@ -30,39 +27,39 @@ static scree_result check_box(const scree_weather_start* s, scree_error* error) 
   if (whole_grid(s)) return SCREE_OK;
   for (int a = 0; a < 3; ++a)
     if (s->box_max[a] > s->size[a] || s->box_min[a] >= s->box_max[a])
-      return weather_wrong(error, names[a], s->box_max[a], "more than box_min, at most the size");
+      return fault_value(error, names[a], s->box_max[a], "more than box_min, at most the size");
   return SCREE_OK;
 }
 
 scree_result weather_check_start(const scree_weather_start* s, scree_error* error) {
   static const char* const sizes[3] = {"size[0]", "size[1]", "size[2]"};
   for (int a = 0; a < 3; ++a)
-    if (s->size[a] < 1 || s->size[a] > 4096) return weather_wrong(error, sizes[a], s->size[a], "1 to 4096 voxels");
+    if (s->size[a] < 1 || s->size[a] > 4096) return fault_value(error, sizes[a], s->size[a], "1 to 4096 voxels");
   switch (s->kind) {
     case SCREE_START_BOX: return check_box(s, error);
     case SCREE_START_JOINT_MAP:
       if (s->map == NULL) return invalid(error, "map: missing");
-      if (s->map_width < 1 || s->map_width > 65536) return weather_wrong(error, "map_width", s->map_width, "1 to 65536");
-      if (s->map_depth < 1 || s->map_depth > 65536) return weather_wrong(error, "map_depth", s->map_depth, "1 to 65536");
+      if (s->map_width < 1 || s->map_width > 65536) return fault_value(error, "map_width", s->map_width, "1 to 65536");
+      if (s->map_depth < 1 || s->map_depth > 65536) return fault_value(error, "map_depth", s->map_depth, "1 to 65536");
       return SCREE_OK;
     case SCREE_START_SUPPORT:
       if (s->support == NULL) return invalid(error, "support: missing");
-      if (!(s->voxel > 0) || !(s->voxel <= 1e6)) return weather_wrong(error, "voxel", s->voxel, "more than 0, up to 1e6 metres");
+      if (!(s->voxel > 0) || !(s->voxel <= 1e6)) return fault_value(error, "voxel", s->voxel, "more than 0, up to 1e6 metres");
       for (int a = 0; a < 3; ++a)
-        if (!within(s->origin[a], -1e12, 1e12)) return weather_wrong(error, "origin", s->origin[a], "-1e12 to 1e12 metres");
+        if (!within(s->origin[a], -1e12, 1e12)) return fault_value(error, "origin", s->origin[a], "-1e12 to 1e12 metres");
       return SCREE_OK;
     case SCREE_START_JOINTS: {
       const scree_result result = check_box(s, error);
       if (result != SCREE_OK) return result;
-      if (!within(s->joint_spacing, 4, 1e6)) return weather_wrong(error, "joint_spacing", s->joint_spacing, "4 to 1e6 voxels");
-      if (!within(s->joint_gap, 0, 0.5)) return weather_wrong(error, "joint_gap", s->joint_gap, "0 to 0.5");
-      if (!within(s->joint_warp, 0, 1)) return weather_wrong(error, "joint_warp", s->joint_warp, "0 to 1");
-      if (!within(s->joint_missing, 0, 1)) return weather_wrong(error, "joint_missing", s->joint_missing, "0 to 1");
-      if (!within(s->joint_low, 0, 1)) return weather_wrong(error, "joint_low", s->joint_low, "0 to 1");
+      if (!within(s->joint_spacing, 4, 1e6)) return fault_value(error, "joint_spacing", s->joint_spacing, "4 to 1e6 voxels");
+      if (!within(s->joint_gap, 0, 0.5)) return fault_value(error, "joint_gap", s->joint_gap, "0 to 0.5");
+      if (!within(s->joint_warp, 0, 1)) return fault_value(error, "joint_warp", s->joint_warp, "0 to 1");
+      if (!within(s->joint_missing, 0, 1)) return fault_value(error, "joint_missing", s->joint_missing, "0 to 1");
+      if (!within(s->joint_low, 0, 1)) return fault_value(error, "joint_low", s->joint_low, "0 to 1");
       return SCREE_OK;
     }
   }
-  return weather_wrong(error, "kind", s->kind, "no such start shape");
+  return fault_value(error, "kind", s->kind, "no such start shape");
 }
 
 /* --- columns: boxes, joint maps and joints ----------------------------------------------------------------------------------- */

@@ -1,0 +1,15 @@
+/* What is wrong with a number that a caller gave, in words. */
+#ifndef SCREE_FAULTS_H
+#define SCREE_FAULTS_H
+
+#include <scree/base.h>
+
+/* "name: value: what". error: may be NULL. Returns RANGE. */
+scree_result fault_value(scree_error* error, const char* name, double value, const char* what);
+
+/* False for what is not a number, too. */
+static inline bool within(double value, double low, double high) {
+  return value >= low && value <= high;
+}
+
+#endif
