@@ -232,6 +232,55 @@ static scree_result add_end(face_maker* f, const voronoi_face* face, uint32_t ve
   return SCREE_ERROR_UNSUPPORTED;
 }
 
+static bool are_tied(const border_end* a, const border_end* b) {
+  return a->side == b->side && b->along - a->along <= a->error + b->error;
+}
+
+/* Whether the first end along the border has to be the start of a path: whether the border is inside before it. */
+static scree_result first_is_start(const face_maker* f, const voronoi_face* face, bool* start) {
+  for (uint32_t k = 0; k < f->end_count; ++k) {
+    const bool tied =
+        (k > 0 && are_tied(&f->ends[k - 1], &f->ends[k])) || (k + 1 < f->end_count && are_tied(&f->ends[k], &f->ends[k + 1]));
+    *start = f->ends[k].start != (k % 2 == 1);
+    if (!tied) return SCREE_OK;
+  }
+  for (uint32_t k = 0; k < face->count; ++k) {
+    double at[3];
+    bool inside, sure;
+    corner_place(f, face, k, at);
+    const scree_result result = place_of(f, at, &inside, &sure);
+    if (result != SCREE_OK) return result;
+    uint32_t before = 0;
+    while (before < f->end_count && f->ends[before].side < k) ++before;
+    *start = inside != (before % 2 == 1);
+    if (sure) return SCREE_OK;
+  }
+  return SCREE_ERROR_UNSUPPORTED;
+}
+
+/* Along a border starts and ends take turns. So they do where two are at one place, as parts of a solid that touch face to face
+ * make them: what comes first there follows from the others. */
+static scree_result order_ends(face_maker* f, const voronoi_face* face) {
+  if (f->end_count == 0) return SCREE_OK;
+  bool start;
+  const scree_result result = first_is_start(f, face, &start);
+  if (result != SCREE_OK) return result;
+  for (uint32_t k = 0; k < f->end_count; ++k, start = !start) {
+    border_end* end = &f->ends[k];
+    const bool tied = k + 1 < f->end_count && are_tied(&end[0], &end[1]);
+    if (tied && ((k > 0 && are_tied(&end[-1], &end[0])) || (k + 2 < f->end_count && are_tied(&end[1], &end[2]))))
+      return SCREE_ERROR_UNSUPPORTED;
+    if (tied && end->start != start) {
+      const border_end other = end[0];
+      end[0] = end[1];
+      end[1] = other;
+    }
+    if (end->start != start) return SCREE_ERROR_UNSUPPORTED;
+    if (!end->start) f->paths[end->path].end = k;
+  }
+  return f->end_count % 2 == 0 ? SCREE_OK : SCREE_ERROR_UNSUPPORTED;
+}
+
 static scree_result add_path_corner(face_maker* f, uint32_t vertex) {
   const scree_result result = clip_reserve(f->work->allocator, &f->path_corners, &f->path_corner_capacity, f->path_corner_count,
                                            (size_t)f->path_corner_count + 1);
@@ -264,12 +313,8 @@ static scree_result add_paths(face_maker* f, const voronoi_face* face, const uin
     path->count = f->path_corner_count - path->first;
     ++f->path_count;
   }
-  for (uint32_t k = 0; k < f->end_count; ++k) {
-    const border_end *a = &f->ends[k], *b = &f->ends[k + 1 < f->end_count ? k + 1 : 0];
-    if (a->start == b->start) return SCREE_ERROR_UNSUPPORTED;
-    if (k + 1 < f->end_count && a->side == b->side && b->along - a->along <= a->error + b->error) return SCREE_ERROR_UNSUPPORTED;
-    if (!a->start) f->paths[a->path].end = k;
-  }
+  const scree_result ordered = order_ends(f, face);
+  if (ordered != SCREE_OK) return ordered;
   for (uint32_t k = 0; k < f->path_count; ++k) {
     if (f->paths[k].done) continue;
     scree_result result = begin_loop(f, true);
