@@ -495,7 +495,12 @@ static scree_result run(shard_bake* bake, uint8_t** bytes, size_t* size, scree_e
   if (result == SCREE_OK) result = weather_all(bake, error);
   if (result == SCREE_OK) result = make_assets(bake, error);
   bake->stage = STAGE_WRITE;
-  if (result == SCREE_OK) result = write_pack(bake, bytes, size);
+  if (result == SCREE_OK) {
+    result = write_pack(bake, bytes, size);
+    if (result == SCREE_ERROR_RANGE)
+      recipe_say(error, "input: what stands does not fit into a pack: expected at most %d metres from its centre of mass",
+                 PACK_MAX_MODEL_REACH);
+  }
   if (result == SCREE_OK && !report(bake, 1)) result = SCREE_ERROR_CANCELLED;
   return result;
 }

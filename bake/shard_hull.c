@@ -201,6 +201,8 @@ scree_result scree_shards_hull(const scree_shards* shards, const uint32_t* list,
   if (point_count != NULL) *point_count = 0;
   if (shards == NULL || list == NULL || count == 0 || origin == NULL || points == NULL || capacity < 4 || point_count == NULL)
     return SCREE_ERROR_INVALID_ARGUMENT;
+  for (int axis = 0; axis < 3; ++axis)
+    if (!isfinite(origin[axis])) return SCREE_ERROR_INVALID_ARGUMENT;
   const scree_shards_view* view = &shards->view;
   for (uint32_t i = 0; i < count; ++i)
     if (list[i] >= view->shard_count) return SCREE_ERROR_INVALID_ARGUMENT;

@@ -108,15 +108,22 @@ scree_result seeds_random(seed_job* job, uint32_t count, uint64_t random_seed) {
     if (mask.marked[i]) list[marked++] = (uint32_t)i;
   random_stream stream = {hash_combine(random_seed, 0x5eed)};
   uint32_t found = 0;
-  uint64_t tries = 0;
-  const uint64_t most_tries = (uint64_t)count * 1000 + 1000000;
-  while (result == SCREE_OK && found < count && tries++ < most_tries) {
+  /* Of a long thin solid the boxes that are drawn hold little: places beside its own box are passed over at once, and many. */
+  uint64_t tries = 0, misses = 0;
+  const uint64_t most_tries = (uint64_t)count * 1000 + 1000000, most_misses = 100 * most_tries;
+  while (result == SCREE_OK && found < count && tries < most_tries && misses < most_misses) {
     uint32_t box = list[(size_t)(random_unit(&stream) * (double)marked)];
     double p[3];
     for (int a = 0; a < 3; ++a) {
       p[a] = mask.min[a] + (box % mask.size[a] + random_unit(&stream)) * mask.step;
       box /= mask.size[a];
     }
+    if (p[0] < job->min[0] || p[0] > job->max[0] || p[1] < job->min[1] || p[1] > job->max[1] || p[2] < job->min[2] ||
+        p[2] > job->max[2]) {
+      ++misses;
+      continue;
+    }
+    ++tries;
     if (!solid_is_inside(&job->inside, p)) continue;
     result = seed_add(job, p);
     ++found;

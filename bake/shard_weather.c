@@ -15,7 +15,7 @@ uint32_t shard_times(const scree_shard_recipe* recipe) {
 }
 
 static scree_result tell(scree_result result, const char* where, const scree_error* fault, scree_error* error) {
-  if (result != SCREE_OK && fault->message[0] != '\0') recipe_say(error, "%s: %.400s", where, fault->message);
+  if (result != SCREE_OK && fault->message[0] != '\0') recipe_say(error, "%s%.400s", where, fault->message);
   return result;
 }
 
@@ -70,7 +70,7 @@ static scree_result split(shard_weather* weather, const scree_solid* solid,
   double* seeds = NULL;
   uint32_t count = 0;
   result = scree_seeds_create(&pattern, solid, &desc->allocator, &seeds, &count, &fault);
-  if (result != SCREE_OK) return tell(result, "seeds", &fault, error);
+  if (result != SCREE_OK) return tell(result, "", &fault, error); /* which says "seeds:" itself */
   const scree_shards_desc shards = {.solid = *solid,
                                     .seeds = seeds,
                                     .seed_count = count,
@@ -85,7 +85,7 @@ static scree_result split(shard_weather* weather, const scree_solid* solid,
   result = scree_shards_create(&shards, &weather->shards, &fault);
   scree_seeds_free(&desc->allocator, seeds, count);
   if (result == SCREE_ERROR_UNSUPPORTED) result = SCREE_ERROR_INVALID_ARGUMENT; /* of this solid, not by this build */
-  return tell(result, "input", &fault, error);
+  return shard_tell_input(recipe, result, &fault, error);
 }
 
 scree_result shard_weather_create(const scree_shard_desc* desc, bool (*progress)(void* user, const char* stage, double done),
@@ -113,7 +113,7 @@ static scree_result not_given(const scree_shard_desc* desc, scree_error* error) 
     missing = missing || ((recipe->phases[p].changes & SCREE_SHARD_RESISTANCE) != 0 &&
                           lacks(desc, recipe->phases[p].rules.frost.resistance.kind));
   if (!missing) return SCREE_OK;
-  recipe_say(error, "resistance.kind: the images or the function were not given");
+  recipe_say(error, "resistance.kind: images need images.file, and a function can only come from a program: neither was given");
   return SCREE_ERROR_INVALID_ARGUMENT;
 }
 
@@ -135,7 +135,7 @@ scree_result shard_weather_start(shard_weather* weather, scree_error* error) {
   scree_shard_rules_view(desc, &weather->rules, &frost.rules);
   result = scree_frost_create(&frost, &weather->frost, &fault);
   scree_rt_release(&allocator, states, view.shard_count, 1);
-  return tell(result, "rules", &fault, error);
+  return tell(result, "rules: ", &fault, error);
 }
 
 void shard_weather_destroy(shard_weather* weather) {

@@ -134,6 +134,22 @@ static void text_models(const info_report* report, const scree_pack* pack, text_
   if (shown < report->pack.asset_count) buffer_format(out, "  and %u more\n", report->pack.asset_count - shown);
 }
 
+/* The box of the blocks of a time. The pack's own is that of the balls around them. */
+static bool find_blocks(const scree_pack* pack, const scree_cliff_time* time, float min[3], float max[3]) {
+  for (uint32_t i = 0; i < time->placement_count; ++i) {
+    scree_block_placement placement;
+    scree_asset asset;
+    if (scree_pack_get_placements(pack, time->first_placement + i, 1, &placement) != SCREE_OK) return false;
+    if (scree_pack_get_asset(pack, placement.asset, &asset) != SCREE_OK) return false;
+    for (int a = 0; a < 3; ++a) {
+      const float low = placement.translation[a] + asset.bounds_min[a], high = placement.translation[a] + asset.bounds_max[a];
+      if (i == 0 || low < min[a]) min[a] = low;
+      if (i == 0 || high > max[a]) max[a] = high;
+    }
+  }
+  return time->placement_count > 0;
+}
+
 /* Blocks are many: how many there are and how large, instead of a line for each. */
 static void text_cliff(const info_report* report, const scree_pack* pack, text_buffer* out) {
   buffer_add(out,
@@ -150,10 +166,10 @@ static void text_cliff(const info_report* report, const scree_pack* pack, text_b
       bytes += level.blob_size;
     buffer_format(out, "  %5u  %8u  %4.1f %%  %9.2f  %5u  %9u  %8llu  %u", t, time.paths, 100 * (double)time.share,
                   (double)model.height, model.part_count, triangles, (unsigned long long)bytes, time.placement_count);
-    if (time.placement_count > 0)
-      buffer_format(out, " within (%.1f, %.1f, %.1f) .. (%.1f, %.1f, %.1f) m", (double)time.bounds_min[0],
-                    (double)time.bounds_min[1], (double)time.bounds_min[2], (double)time.bounds_max[0], (double)time.bounds_max[1],
-                    (double)time.bounds_max[2]);
+    float min[3], max[3];
+    if (find_blocks(pack, &time, min, max))
+      buffer_format(out, " within (%.2f, %.2f, %.2f) .. (%.2f, %.2f, %.2f) m", (double)min[0], (double)min[1], (double)min[2],
+                    (double)max[0], (double)max[1], (double)max[2]);
     buffer_add(out, "\n");
   }
   info_range volume = nothing;

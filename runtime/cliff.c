@@ -195,18 +195,19 @@ static scree_result make(scree_scatter* s, const scree_cliff_desc* desc, scree_e
   const uint32_t blocks = (what & SCREE_CLIFF_BLOCKS) != 0 ? time.placement_count : 0;
   if (blocks > MOST_BLOCKS) return scree_rt_scatter_wrong(SCREE_ERROR_RANGE, "pack: too many blocks", error);
   const uint32_t count = standing + blocks;
-  if (count == 0) return scree_rt_scatter_wrong(SCREE_ERROR_INVALID_ARGUMENT, "nothing had fallen at that time", error);
-  double* at = scree_rt_allocate(&s->allocator, (size_t)3 * count, sizeof *at);
-  s->points = scree_rt_allocate_zeroed(&s->allocator, count, sizeof *s->points);
+  const size_t numbers = count > 0 ? (size_t)3 * count : 3; /* where nothing has fallen, its blocks are a layer of none */
+  double* at = scree_rt_allocate_zeroed(&s->allocator, numbers, sizeof *at);
+  if (count > 0) s->points = scree_rt_allocate_zeroed(&s->allocator, count, sizeof *s->points);
   s->cliff_count = count;
-  result = at != NULL && s->points != NULL ? read_places(s, desc->pack, &time, standing, at) : SCREE_ERROR_OUT_OF_MEMORY;
+  const bool is_there = at != NULL && (count == 0 || s->points != NULL);
+  result = is_there ? read_places(s, desc->pack, &time, standing, at) : SCREE_ERROR_OUT_OF_MEMORY;
   if (result == SCREE_OK && !place_all(s, at))
     result = scree_rt_scatter_wrong(SCREE_ERROR_RANGE, "pack: too many blocks lie in one place", error);
   if (result == SCREE_OK) {
     scree_rt_scatter_finish(s);
     result = make_ground(s, at);
   }
-  scree_rt_release(&s->allocator, at, (size_t)3 * count, sizeof *at);
+  scree_rt_release(&s->allocator, at, numbers, sizeof *at);
   return result;
 }
 

@@ -378,11 +378,14 @@ static void a_thin_sheet_is_cut(void** state) {
 
 static const char* const mesh_names[] = {"elephant", "knot1", "armadillo", "bunny00"};
 
+static uint32_t left_out;
+
 static bool read_mesh(const char* name, solid_mesh* out) {
   char file[1024];
   snprintf(file, sizeof file, "%s/%s.off", folder, name);
   const bool there = solid_read_off(file, out);
   if (!there) print_message("%s is not there: left out; ./dev fetches it\n", file);
+  left_out += !there;
   return there;
 }
 
@@ -745,5 +748,6 @@ int main(int argc, char** argv) {
       cmocka_unit_test(every_shard_of_a_goblin_is_closed_over_30_sets_of_seeds),
       cmocka_unit_test(shards_of_crossing_surfaces_are_refused_with_a_reason),
   };
-  return cmocka_run_group_tests(tests, NULL, NULL);
+  const int failed = cmocka_run_group_tests(tests, NULL, NULL);
+  return failed == 0 && left_out > 0 ? 77 : failed; /* not all was seen: skipped, to CTest */
 }

@@ -680,6 +680,8 @@ static void hull_of_a_box_is_its_corners(void** state) {
   assert_int_equal(count, 4);
   assert_int_equal(scree_shards_hull(shards, list, 200, origin, points, 3, &count), SCREE_ERROR_INVALID_ARGUMENT);
   assert_int_equal(scree_shards_hull(shards, list, 0, origin, points, 8, &count), SCREE_ERROR_INVALID_ARGUMENT);
+  const double nowhere[3] = {0, (double)NAN, 0};
+  assert_int_equal(scree_shards_hull(shards, list, 200, nowhere, points, 8, &count), SCREE_ERROR_INVALID_ARGUMENT);
   list[0] = 200;
   assert_int_equal(scree_shards_hull(shards, list, 1, origin, points, 8, &count), SCREE_ERROR_INVALID_ARGUMENT);
   scree_shards_destroy(shards);

@@ -19,7 +19,7 @@ extern "C" {
 /* Which of its instances. */
 enum {
   SCREE_CLIFF_STANDING = 1u << 0, /* one instance: what stands */
-  SCREE_CLIFF_BLOCKS = 1u << 1    /* what fell */
+  SCREE_CLIFF_BLOCKS = 1u << 1    /* what fell: none where nothing had */
 };
 
 typedef struct scree_cliff_desc {

@@ -209,9 +209,9 @@ SCREE_API uint32_t scree_frost_blocks(const scree_frost* frost, const scree_bloc
  * of its shards: it leaves the rock, rather along its push, drops along gravity, lies down on one of its largest faces, goes down
  * the steepest way while that is steeper than its repose, a little farther by what it fell, never through rock or a roof, and is
  * then turned until its centre of mass is as low as it can be there; what stands on end falls over where there is room. No centre
- * of mass rests higher than it was: a block whose only way out of the rock is up is not there. Larger blocks roll farther. Columns
- * of intervals (dexels) along gravity say what is solid: a block touches what it lies on, and is in others by about a column at
- * most; between columns nothing is known, and what is thinner than a tenth of one is dust. */
+ * of mass rests higher than it was, but for rounding to columns: a block whose only way out of the rock is up is not there. Larger
+ * blocks roll farther. Columns of intervals (dexels) along gravity say what is solid: a block touches what it lies on, and is in
+ * others by about a column at most; between columns nothing is known, and what is thinner than a tenth of one is dust. */
 typedef struct scree_rubble scree_rubble;
 
 typedef struct scree_rubble_desc {
@@ -220,7 +220,7 @@ typedef struct scree_rubble_desc {
   const float* heights; /* NULL, or of ground around: as scree_solid_from_heights, centred on x = z = 0; made for gravity -Y */
   uint32_t width, depth;
   double spacing;
-  double resolution; /* width of a dexel; 0 = a third of the cube root of the mean shard's volume */
+  double resolution; /* width of a dexel; 0 = a third of the cube root of the mean shard's volume, or what makes 2^24 */
   double repose;     /* tangent of the angle of repose of a heap, 0..100; 0 = 0.7 */
   double min_volume; /* smaller blocks are not kept: dust */
   double share;      /* of blocks that are kept, by a hash; the others are carried away; 0..1, 0 = none is kept */

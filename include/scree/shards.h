@@ -195,7 +195,7 @@ SCREE_API void scree_shards_get(const scree_shards* shards, scree_shards_view* o
 SCREE_API uint64_t scree_shards_digest(const scree_shards* shards);
 
 /* Vertices of the convex hull of some shards together, for physics: at most `capacity` (>= 4), 3 floats each relative to `origin`.
- * Returns SCREE_OK, INVALID_ARGUMENT or OUT_OF_MEMORY. */
+ * Returns SCREE_OK, INVALID_ARGUMENT (a shard that is not there, an origin that is not finite) or OUT_OF_MEMORY. */
 SCREE_API scree_result scree_shards_hull(const scree_shards* shards, const uint32_t* list, uint32_t count, const double origin[3],
                                          float* points, uint32_t capacity, uint32_t* point_count);
 
