@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "frost_draw.h"
+#include "stability_twin.h"
 
 static void* must(void* memory) {
   if (memory == NULL) abort();
@@ -63,6 +64,8 @@ frost_twin* frost_twin_create(const scree_frost* like) {
   t->breaks = like->stats.breaks;
   t->forced = like->stats.forced;
   t->detachments = like->stats.detachments;
+  t->overloaded = like->stats.overloaded;
+  t->unchecked = like->unchecked;
   t->visited = like->stats.links_visited;
   t->poured = like->stats.poured;
   t->absorbed = like->stats.absorbed;
@@ -305,6 +308,7 @@ static void break_link(frost_twin* t, uint32_t link) {
   const uint32_t* ends = v->links[link].shards;
   t->lives[link] = 0;
   ++t->breaks;
+  ++t->unchecked;
   label_all(t);
   const uint32_t labels[2] = {t->labels[ends[0]], t->labels[ends[1]]};
   if (labels[0] == labels[1]) return;
@@ -323,6 +327,75 @@ static void break_link(frost_twin* t, uint32_t link) {
   if (cores[1] > 0) loser = 0;
   drop(t, labels[loser]);
   settle(t);
+}
+
+/* --- stability --------------------------------------------------------------------------------------------------------------- */
+
+/* Shards by how far they are from the supported ones, those first, as they are met link by link. Returns how many. */
+static uint32_t line_up(const frost_twin* t, const uint8_t* supported, uint32_t* queue) {
+  const scree_shards_view* v = &t->like->view;
+  uint8_t* met = must(calloc(v->shard_count, 1));
+  uint32_t count = 0;
+  for (uint32_t s = 0; s < v->shard_count; ++s)
+    if (supported[s] != 0) met[s] = 1, queue[count++] = s;
+  for (uint32_t head = 0; head < count; ++head)
+    for (uint32_t k = 0; k < v->shards[queue[head]].link_count; ++k) {
+      const uint32_t link = v->shard_links[v->shards[queue[head]].first_link + k];
+      const uint32_t* sides = v->links[link].shards;
+      const uint32_t other = sides[sides[0] == queue[head]];
+      if (other == SCREE_NO_SHARD || !(t->lives[link] > 0) || met[other] != 0) continue;
+      met[other] = 1;
+      queue[count++] = other;
+    }
+  free(met);
+  return count;
+}
+
+/* Breaks the links that one look at everything condemns: the farthest shards' first, of one distance as they are met. Returns how
+ * many groups those held. */
+static uint32_t break_weak(frost_twin* t, const uint8_t* supported) {
+  const scree_shards_view* v = &t->like->view;
+  const scree_frost_rules* rules = &t->like->rules;
+  stability_twin rule = {.view = v, .density = rules->density, .strength = rules->strength, .compression = rules->compression};
+  gravity_of(t, rule.gravity);
+  double* left = must(malloc(v->link_count * sizeof *left));
+  uint32_t* level = must(malloc(v->shard_count * sizeof *level));
+  uint32_t* queue = must(malloc(v->shard_count * sizeof *queue));
+  memcpy(left, t->lives, v->link_count * sizeof *left);
+  stability_twin_levels(&rule, t->lives, supported, level);
+  const uint32_t count = line_up(t, supported, queue), groups = stability_twin_weigh(&rule, supported, left);
+  for (uint32_t d = v->shard_count; groups > 0 && d > 0; --d)
+    for (uint32_t i = 0; i < count; ++i) {
+      const scree_shard* shard = &v->shards[queue[i]];
+      if (level[queue[i]] != d) continue;
+      for (uint32_t k = 0; k < shard->link_count; ++k) {
+        const uint32_t link = v->shard_links[shard->first_link + k];
+        const uint32_t* sides = v->links[link].shards;
+        const uint32_t other = sides[sides[0] == queue[i]];
+        const bool condemned = other != SCREE_NO_SHARD && level[other] == d - 1 && left[link] == 0;
+        if (!condemned || !(t->lives[link] > 0)) continue;
+        break_link(t, link);
+        ++t->overloaded;
+      }
+    }
+  free(left);
+  free(level);
+  free(queue);
+  return groups;
+}
+
+void frost_twin_check(frost_twin* t) {
+  const uint32_t count = t->like->view.shard_count;
+  uint8_t* supported = must(malloc(count));
+  uint32_t groups = t->like->rules.strength > 0;
+  while (groups > 0) {
+    const bool core = any_core(t);
+    find_down(t);
+    for (uint32_t s = 0; s < count; ++s) supported[s] = holds(t, s, core);
+    groups = break_weak(t, supported);
+  }
+  free(supported);
+  t->unchecked = 0;
 }
 
 /* --- edits ------------------------------------------------------------------------------------------------------------------- */
@@ -565,5 +638,6 @@ bool frost_twin_path(frost_twin* t, bool walk) {
     if (!(water > 0) || !draw_way(t, &link)) break;
   }
   t->drained += water;
+  if (t->unchecked >= rules->stability_interval) frost_twin_check(t);
   return true;
 }

@@ -18,7 +18,8 @@ typedef struct frost_twin {
   double down_gravity[3];
   uint32_t* blocks; /* of each shard: 1 + the block that it fell in, 0 = none */
   uint32_t block_count;
-  uint64_t paths, breaks, forced, detachments, visited;
+  uint64_t paths, breaks, forced, detachments, overloaded, visited;
+  uint64_t unchecked; /* breaks since stability was looked at */
   double poured, absorbed, drained;
   uint64_t walk_differs; /* links, over all falls, where the walk of the paper is another */
 } frost_twin;
@@ -32,6 +33,9 @@ void frost_twin_destroy(frost_twin* twin);
 /* False where nothing takes water. walk: counts where the paper's breadth-first walk over the links graph, from the exterior links
  * that are left, says something else about what is exterior. */
 bool frost_twin_path(frost_twin* twin, bool walk);
+
+/* Breaks off what is too weak, by stability_twin.h. A path does it once enough links broke; the end of a step call has to. */
+void frost_twin_check(frost_twin* twin);
 
 /* Edits, as scree_frost_set_shard and scree_frost_set_life, by the components of all shards. */
 void frost_twin_set_shard(frost_twin* twin, uint32_t shard, scree_shard_state state);
