@@ -42,29 +42,66 @@ static bool is_cut(const surface_work* w, const scree_link* link) {
 
 /* --- Where vertices are. --- */
 
-static void find_nearest(surface_work* w) {
+static double distance2_of(const double* a, const double* b) {
+  double d2 = 0;
+  for (uint32_t k = 0; k < 3; ++k) d2 += (a[k] - b[k]) * (a[k] - b[k]);
+  return d2;
+}
+
+/* Whether two of its corners are as good as one place: which of them a vertex is, this triangle cannot tell. */
+static bool is_doubtful(const scree_solid* solid, uint32_t triangle, double reach2) {
+  for (uint32_t k = 0; k < 3; ++k)
+    if (distance2_of(solid->positions + 3 * (size_t)solid->indices[3 * (size_t)triangle + k],
+                     solid->positions + 3 * (size_t)solid->indices[3 * (size_t)triangle + (k + 1) % 3]) <= 4 * reach2)
+      return true;
+  return false;
+}
+
+static void near_corners(surface_work* w, const scree_polygon* polygon) {
   const scree_shards_view* view = w->view;
-  const scree_solid* solid = view->solid;
+  for (uint32_t c = 0; c < polygon->corner_count; ++c)
+    for (uint32_t k = 0; k < 3; ++k) {
+      const uint32_t v = view->corners[polygon->first_corner + c], s = view->solid->indices[3 * (size_t)polygon->triangle + k];
+      const double d2 = distance2_of(view->vertices + 3 * (size_t)v, view->solid->positions + 3 * (size_t)s);
+      if (d2 > w->distance2[s] || (d2 >= w->distance2[s] && w->nearest[s] <= v)) continue;
+      w->distance2[s] = d2;
+      w->nearest[s] = v;
+    }
+}
+
+/* What is left around vertices all of whose triangles are doubtful: any that is no other vertex of the solid. */
+static void take_corners(surface_work* w, const scree_polygon* polygon, double reach2, shard_place* places) {
+  const scree_shards_view* view = w->view;
+  for (uint32_t k = 0; k < 3; ++k) {
+    const uint32_t s = view->solid->indices[3 * (size_t)polygon->triangle + k];
+    for (uint32_t c = 0; c < polygon->corner_count && w->nearest[s] == UINT32_MAX; ++c) {
+      const uint32_t v = view->corners[polygon->first_corner + c];
+      if (places[v].kind == PLACE_VERTEX) continue;
+      if (distance2_of(view->vertices + 3 * (size_t)v, view->solid->positions + 3 * (size_t)s) > reach2) continue;
+      w->nearest[s] = v;
+      places[v] = (shard_place){PLACE_VERTEX, {s, 0}};
+    }
+  }
+}
+
+static void find_nearest(surface_work* w, shard_place* places) {
+  const scree_shards_view* view = w->view;
   double extent = 0;
   for (uint32_t a = 0; a < 3; ++a) extent += view->max[a] - view->min[a];
   const double reach2 = SAME_PLACE * extent * (SAME_PLACE * extent);
-  for (uint32_t v = 0; v < solid->vertex_count; ++v) w->nearest[v] = UINT32_MAX, w->distance2[v] = reach2;
+  for (uint32_t s = 0; s < view->solid->vertex_count; ++s) w->nearest[s] = UINT32_MAX, w->distance2[s] = reach2;
+  bool doubts = false;
   for (uint32_t l = view->interior_link_count; l < view->link_count; ++l)
-    for (uint32_t p = view->links[l].first_polygon; p < view->links[l].first_polygon + view->links[l].polygon_count; ++p) {
-      const scree_polygon* polygon = &view->polygons[p];
-      for (uint32_t c = 0; c < polygon->corner_count; ++c)
-        for (uint32_t k = 0; k < 3; ++k) {
-          const uint32_t v = view->corners[polygon->first_corner + c], s = solid->indices[3 * (size_t)polygon->triangle + k];
-          double d2 = 0;
-          for (uint32_t a = 0; a < 3; ++a) {
-            const double d = view->vertices[3 * (size_t)v + a] - solid->positions[3 * (size_t)s + a];
-            d2 += d * d;
-          }
-          if (d2 > w->distance2[s] || (d2 >= w->distance2[s] && w->nearest[s] <= v)) continue;
-          w->distance2[s] = d2;
-          w->nearest[s] = v;
-        }
-    }
+    for (uint32_t p = view->links[l].first_polygon; p < view->links[l].first_polygon + view->links[l].polygon_count; ++p)
+      if (is_doubtful(view->solid, view->polygons[p].triangle, reach2))
+        doubts = true;
+      else
+        near_corners(w, &view->polygons[p]);
+  for (uint32_t s = 0; s < view->solid->vertex_count; ++s)
+    if (w->nearest[s] != UINT32_MAX) places[w->nearest[s]] = (shard_place){PLACE_VERTEX, {s, 0}};
+  for (uint32_t l = view->interior_link_count; doubts && l < view->link_count; ++l)
+    for (uint32_t p = view->links[l].first_polygon; p < view->links[l].first_polygon + view->links[l].polygon_count; ++p)
+      if (is_doubtful(view->solid, view->polygons[p].triangle, reach2)) take_corners(w, &view->polygons[p], reach2, places);
 }
 
 /* The edge that two triangles of the solid share. */
@@ -85,10 +122,8 @@ static bool shared_edge(const scree_solid* solid, uint32_t t, uint32_t u, uint32
 
 static void find_places(surface_work* w, shard_place* places) {
   const scree_shards_view* view = w->view;
-  find_nearest(w);
   for (uint32_t v = 0; v < view->vertex_count; ++v) places[v] = (shard_place){PLACE_INNER, {0, 0}};
-  for (uint32_t s = 0; s < view->solid->vertex_count; ++s)
-    if (w->nearest[s] != UINT32_MAX) places[w->nearest[s]] = (shard_place){PLACE_VERTEX, {s, 0}};
+  find_nearest(w, places);
   for (uint32_t l = view->interior_link_count; l < view->link_count; ++l)
     for (uint32_t p = view->links[l].first_polygon; p < view->links[l].first_polygon + view->links[l].polygon_count; ++p) {
       const scree_polygon* polygon = &view->polygons[p];

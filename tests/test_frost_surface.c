@@ -13,6 +13,7 @@
 #include "creases.h"
 #include "failing_allocator.h"
 #include "make_shards.h"
+#include "make_solids.h"
 #include "polygon_ears.h"
 #include "random.h"
 #include "surface_twin.h"
@@ -154,6 +155,46 @@ static void surfaces_are_closed_and_have_the_volume_of_their_shards(void** state
     free(inside);
     scree_shards_destroy(c.shards);
   }
+}
+
+/* Vertices of one place, and triangles without area between them: what simplifying on a lattice leaves, also around vertices that
+ * have no other triangles. */
+static void solids_with_vertices_in_one_place_have_closed_surfaces(void** state) {
+  (void)state;
+  random_stream r = {23};
+  uint32_t cut = 0;
+  for (uint32_t round = 0; round < 60; ++round) {
+    solid_mesh ring = solid_torus(2, 0.8, 16, 9);
+    const double share = 0.3 * random_unit(&r);
+    for (uint32_t i = 0; i < 3 * ring.triangle_count; ++i)
+      if (random_unit(&r) < share / 6)
+        memcpy(ring.positions + 3 * (size_t)ring.indices[i], ring.positions + 3 * (size_t)ring.indices[i / 3 * 3 + (i + 1) % 3],
+               3 * sizeof *ring.positions);
+    const scree_solid solid = {.positions = ring.positions,
+                               .indices = ring.indices,
+                               .vertex_count = ring.vertex_count,
+                               .triangle_count = ring.triangle_count};
+    double seeds[3 * 60];
+    for (uint32_t i = 0; i < 3 * 60; ++i) seeds[i] = (i % 3 == 1 ? 1 : 6) * (random_unit(&r) - 0.5);
+    scree_shards* shards = NULL;
+    if (scree_solid_check(&solid, NULL, NULL) == SCREE_OK) {
+      const scree_shards_desc desc = {.solid = solid, .seeds = seeds, .seed_count = 60};
+      const scree_result result = scree_shards_create(&desc, &shards, NULL);
+      assert_true(result == SCREE_OK || result == SCREE_ERROR_UNSUPPORTED); /* folded through itself along edges alone */
+      for (uint32_t all = 0; shards != NULL && all < 2; ++all) {
+        uint8_t* inside = random_inside(&r, shards->view.shard_count, all ? 2 : 0.7);
+        surface_vertices made = must_make(&shards->view, inside, true);
+        check_source(&shards->view, inside, &made.source);
+        if (all) assert_int_equal(made.surface.solid_triangles, solid.triangle_count);
+        surface_vertices_destroy(&made, NULL);
+        free(inside);
+      }
+      cut += shards != NULL;
+    }
+    scree_shards_destroy(shards);
+    solid_mesh_free(&ring);
+  }
+  assert_in_range(cut, 20, 60);
 }
 
 static void triangles_far_from_a_cut_stay_whole(void** state) {
@@ -504,6 +545,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(an_untouched_solid_gives_back_its_own_triangles),
       cmocka_unit_test(surfaces_are_closed_and_have_the_volume_of_their_shards),
+      cmocka_unit_test(solids_with_vertices_in_one_place_have_closed_surfaces),
       cmocka_unit_test(triangles_far_from_a_cut_stay_whole),
       cmocka_unit_test(uvs_of_the_solid_are_interpolated),
       cmocka_unit_test(cuts_are_flat_and_share_no_vertex_with_what_they_meet),

@@ -247,7 +247,8 @@ SCREE_API uint32_t scree_rubble_get(const scree_rubble* rubble, const scree_rest
 /* --- surface ---------------------------------------------------------------------------------------------------------------- */
 
 /* Triangles of what stands, or of a block: the solid's own where it is untouched, those of links between rock and air where it is
- * cut. Edges of cuts are sharp: vertices are not shared across them. */
+ * cut. Where walls cut the shards (SCREE_CLIP_WALLS), triangles that share a plane are made anew: cut by SCREE_CLIP_MESH to keep
+ * them. Edges of cuts are sharp: vertices are not shared across them. */
 typedef struct scree_frost_vertex {
   float position[3]; /* of a block: relative to its centroid */
   float normal[3];   /* unit */
