@@ -497,8 +497,8 @@ static scree_result run(shard_bake* bake, uint8_t** bytes, size_t* size, scree_e
   bake->stage = STAGE_WRITE;
   if (result == SCREE_OK) {
     result = write_pack(bake, bytes, size);
-    if (result == SCREE_ERROR_RANGE)
-      recipe_say(error, "input: what stands does not fit into a pack: expected at most %d metres from its centre of mass",
+    if (result == SCREE_ERROR_RANGE || result == SCREE_ERROR_INVALID_ARGUMENT)
+      recipe_say(error, "what was made does not fit into a pack: what stands and every block have to lie within %d metres",
                  PACK_MAX_MODEL_REACH);
   }
   if (result == SCREE_OK && !report(bake, 1)) result = SCREE_ERROR_CANCELLED;

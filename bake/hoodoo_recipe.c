@@ -112,9 +112,9 @@ static const recipe_key top_keys[] = {
      .of = "phases"},
     {"variants", RECIPE_COUNT, KEY_AT(scree_hoodoo_recipe, variants), KEY_ENDS(1, SCREE_HOODOO_VARIANTS)},
     {"ages", RECIPE_VALUES, KEY_AT(scree_hoodoo_recipe, ages), KEY_ENDS(0, 1), .count_at = offsetof(scree_hoodoo_recipe, age_count),
-     .stride = sizeof(double), .size = SCREE_HOODOO_AGES, .of = "ages"},
+     .stride = sizeof(double), .least = 1, .size = SCREE_HOODOO_AGES, .of = "ages"},
     {"age_steps", RECIPE_TIMES, KEY_AT(scree_hoodoo_recipe, age_steps), KEY_ENDS(0, 1e6),
-     .count_at = offsetof(scree_hoodoo_recipe, age_step_count), .stride = sizeof(uint32_t), .size = SCREE_HOODOO_AGES,
+     .count_at = offsetof(scree_hoodoo_recipe, age_step_count), .stride = sizeof(uint32_t), .least = 1, .size = SCREE_HOODOO_AGES,
      .of = "ages"},
     {"max_steps", RECIPE_COUNT, KEY_AT(scree_hoodoo_recipe, max_steps), KEY_ENDS(1, 1e6)},
     {"lod_levels", RECIPE_COUNT, KEY_AT(scree_hoodoo_recipe, lod_levels), KEY_ENDS(1, 6)},
@@ -186,14 +186,17 @@ void scree_hoodoo_rules_view(const scree_hoodoo_rules* rules, scree_weather_rule
   };
 }
 
-static scree_result check_graphs(const scree_hoodoo_rules* rules, const char* where, scree_error* error) {
-  for (uint32_t i = 1; i < rules->durability_count; ++i)
+/* changes: of scree_hoodoo_phase; what is not among them says nothing. */
+static scree_result check_graphs(const scree_hoodoo_rules* rules, uint32_t changes, const char* where, scree_error* error) {
+  const uint32_t points = (changes & SCREE_HOODOO_DURABILITY) != 0 ? rules->durability_count : 0;
+  const uint32_t segments = (changes & SCREE_HOODOO_BUBBLES) != 0 ? rules->bubble_count : 0;
+  for (uint32_t i = 1; i < points; ++i)
     if (!(rules->durability[i].altitude >= rules->durability[i - 1].altitude)) {
       recipe_say(error, "%sdurability[%u].altitude: %g is below that of the point before, %g", where, i,
                  rules->durability[i].altitude, rules->durability[i - 1].altitude);
       return SCREE_ERROR_RANGE;
     }
-  for (uint32_t i = 1; i < rules->bubble_count; ++i)
+  for (uint32_t i = 1; i < segments; ++i)
     if (!(rules->bubbles[i].altitude > rules->bubbles[i - 1].altitude)) {
       recipe_say(error, "%sbubbles[%u].altitude: %g is not above that of the segment before, %g", where, i,
                  rules->bubbles[i].altitude, rules->bubbles[i - 1].altitude);
@@ -224,11 +227,11 @@ static scree_result check_start(const scree_hoodoo_recipe* recipe, scree_error* 
 static scree_result check(const void* from, scree_error* error) {
   const scree_hoodoo_recipe* recipe = from;
   scree_result result = check_start(recipe, error);
-  if (result == SCREE_OK) result = check_graphs(&recipe->rules, "", error);
+  if (result == SCREE_OK) result = check_graphs(&recipe->rules, ~0u, "", error);
   for (uint32_t i = 0; i < recipe->phase_count && result == SCREE_OK; ++i) {
     char where[32] = "phases[0].";
     where[7] = (char)('0' + i);
-    result = check_graphs(&recipe->phases[i].rules, where, error);
+    result = check_graphs(&recipe->phases[i].rules, recipe->phases[i].changes, where, error);
   }
   for (uint32_t i = 1; i < recipe->age_count && result == SCREE_OK; ++i)
     if (!(recipe->ages[i] < recipe->ages[i - 1])) {

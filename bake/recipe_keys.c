@@ -104,7 +104,10 @@ static scree_result check_array(const recipe_place* at, const cJSON* value, uint
                                 scree_error* error) {
   if (!cJSON_IsArray(value)) {
     char expected[160];
-    snprintf(expected, sizeof expected, "an array of %s", of);
+    if (least == most)
+      snprintf(expected, sizeof expected, "an array of %u %s", most, of);
+    else
+      snprintf(expected, sizeof expected, "an array of %s", of);
     return recipe_wrong_type(at, expected, value, error);
   }
   const int count = cJSON_GetArraySize(value);
@@ -282,7 +285,6 @@ static double* share_of(const recipe_key* key, const void* phase) {
 static scree_result read_phase(const recipe_reader* r, const recipe_key* key, const recipe_place* at, const cJSON* value,
                                void* out) {
   if (!cJSON_IsObject(value)) return recipe_wrong_type(at, "an object", value, r->error);
-  memset(out, 0, key->stride);
   *share_of(key, out) = -1;
   uint32_t moments = 0;
   for (const cJSON* item = value->child; item != NULL; item = item->next) {
@@ -471,9 +473,16 @@ static scree_result check_phase(const recipe_table* table, const recipe_key* key
   return check_members(table, table->rules, at, rules_of(table, phase), *changes_of(table, phase), error);
 }
 
+static bool is_either(const recipe_table* table, const recipe_key* key) {
+  for (uint32_t i = 0; i < 2 && table->either[i] != NULL; ++i)
+    if (strcmp(key->name, table->either[i]) == 0) return true;
+  return false;
+}
+
 static scree_result check_list(const recipe_table* table, const recipe_key* key, const recipe_place* at, const void* base,
                                scree_error* error) {
   const uint32_t count = *count_of(key, base);
+  if (count == 0 && is_either(table, key)) return SCREE_OK; /* it has the other one, or the table's own check says so */
   if (count < key->least || count > key->size) {
     recipe_say(error, "%s: expected %u to %u %s, got %u", at->text, key->least, key->size, key->of != NULL ? key->of : "elements",
                count);

@@ -32,8 +32,9 @@ typedef struct recipe_key {
   double min, max; /* both allowed */
   const char* words;
   const struct recipe_key*
-      members;       /* up to a NULL name. Where the first is a choice, it decides by `only` which others there are */
-  const void* blank; /* OBJECT, LIST, ROWS: a struct with what is left out; NULL = as the default recipe has it, of ROWS zero */
+      members; /* up to a NULL name. Where the first is a choice, it decides by `only` which others there are */
+  const void*
+      blank; /* OBJECT, LIST, ROWS: a struct with what is left out; NULL = as the default recipe has it, of lists and rows zero */
   size_t count_at, stride;
   uint32_t least, size;
   uint32_t only;    /* bit c is set where choice c of the first member has this key; 0 = always */

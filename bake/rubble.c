@@ -116,14 +116,15 @@ static scree_result make_grid(work* w, scree_error* error) {
   /* Half the solid more, so that a block that ends within reach has all its columns. */
   const double margin = w->reach + 0.5 * widest + size;
   double origin[2], sides[2];
-  for (;; size *= 1.25) {
+  for (uint32_t wider = 0;; ++wider, size *= 1.25) {
     for (int k = 0; k < 2; ++k) {
       origin[k] = w->low[2 * k] - margin;
       sides[k] = floor((w->high[2 * k] + margin - origin[k]) / size) + 1;
     }
-    if (w->desc->resolution > 0 || sides[0] * sides[1] <= MOST_COLUMNS) break;
+    if (w->desc->resolution > 0 || wider == 6 || sides[0] * sides[1] <= MOST_COLUMNS) break;
   }
-  if (!(sides[0] * sides[1] <= MOST_COLUMNS)) return fault_value(error, "resolution", size, "too small: more than 2^24 columns");
+  if (!(sides[0] * sides[1] <= MOST_COLUMNS))
+    return fault_value(error, "resolution", size, "too small for so wide a ground: more than 2^24 columns");
   const uint32_t count[2] = {(uint32_t)sides[0], (uint32_t)sides[1]};
   return dexels_create(&w->allocator, origin, size, count, &w->solid);
 }

@@ -278,7 +278,7 @@ static scree_result order_ends(face_maker* f, const voronoi_face* face) {
     if (end->start != start) return SCREE_ERROR_UNSUPPORTED;
     if (!end->start) f->paths[end->path].end = k;
   }
-  return f->end_count % 2 == 0 ? SCREE_OK : SCREE_ERROR_UNSUPPORTED;
+  return SCREE_OK;
 }
 
 static scree_result add_path_corner(face_maker* f, uint32_t vertex) {

@@ -17,6 +17,12 @@ static scree_result not_given(scree_error* error, const char* what) {
   return SCREE_ERROR_INVALID_ARGUMENT;
 }
 
+/* Puts the key before what a callee said, which names the file where there is one. */
+static scree_result tell(scree_result result, const scree_error* fault, scree_error* error) {
+  if (result != SCREE_OK && fault->message[0] != '\0') recipe_say(error, "input: %.400s", fault->message);
+  return result;
+}
+
 scree_result shard_tell_input(const scree_shard_recipe* recipe, scree_result result, const scree_error* fault, scree_error* error) {
   const scree_shard_shape shape = recipe->input.shape;
   const bool is_file = shape == SCREE_SHARD_MESH || shape == SCREE_SHARD_TERRAIN || shape == SCREE_SHARD_HOODOO;
@@ -237,7 +243,7 @@ scree_result scree_shard_solid_make(const scree_shard_desc* desc, scree_solid_me
       result = scree_solid_from_support(desc->support, resolution_of(input), &allocator, out, &fault);
       break;
   }
-  return shard_tell_input(desc->recipe, result, &fault, error);
+  return tell(result, &fault, error);
 }
 
 /* --- states ----------------------------------------------------------------------------------------------------------------- */

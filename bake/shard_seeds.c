@@ -110,7 +110,7 @@ scree_result seeds_random(seed_job* job, uint32_t count, uint64_t random_seed) {
   uint32_t found = 0;
   /* Of a long thin solid the boxes that are drawn hold little: places beside its own box are passed over at once, and many. */
   uint64_t tries = 0, misses = 0;
-  const uint64_t most_tries = (uint64_t)count * 1000 + 1000000, most_misses = 100 * most_tries;
+  const uint64_t most_tries = (uint64_t)count * 1000 + 1000000, most_misses = 4 * most_tries;
   while (result == SCREE_OK && found < count && tries < most_tries && misses < most_misses) {
     uint32_t box = list[(size_t)(random_unit(&stream) * (double)marked)];
     double p[3];

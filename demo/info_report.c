@@ -380,7 +380,7 @@ static void json_cliff(const scree_pack* pack, const scree_pack_info* info, text
     buffer_format(out, "%s\n    {\"asset\": %u, \"paths\": %u, \"first_placement\": %u, \"placements\": %u, \"share\": ",
                   t > 0 ? "," : "", time.asset, time.paths, time.first_placement, time.placement_count);
     buffer_float(out, time.share);
-    json_floats(out, "bounds_min", time.bounds_min, 3);
+    json_floats(out, "bounds_min", time.bounds_min, 3); /* what the pack says: of balls around the blocks */
     json_floats(out, "bounds_max", time.bounds_max, 3);
     buffer_add(out, "}");
   }

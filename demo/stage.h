@@ -28,8 +28,8 @@ scree_result stage_create(const stage_desc* desc, stage** out, scree_error* erro
 void stage_destroy(stage* s);
 
 /* Brings fields up to date with the scene, and the later fields that they may meet, whose stones make way for theirs; none is
- * queried twice. changed: SCENE_CHANGED_... of each field. Where one fails its last good stones stay; the first that fails gives
- * the error, the others are there. */
+ * queried twice. changed: SCENE_CHANGED_... of each field. The first that fails gives the error and has no stones; the others
+ * are there. */
 scree_result stage_update_fields(stage* s, const uint32_t changed[SCENE_FIELDS_MAX], scree_error* error);
 
 /* After fields were added or removed: forgets all of them and queries anew. The first field that fails gives the error; the others

@@ -21,7 +21,7 @@ void stability_twin_levels(const stability_twin* rule, const double* lives, cons
   }
 }
 
-/* Adds the integral of value(x) over a link by the midpoints of edges of triangles, which is exact for squares of places. */
+/* Adds life * (|x|^2 E - x x^T) over a link, by the midpoints of edges of triangles, which is exact for squares of places. */
 static void second_moments(const stability_twin* rule, uint32_t l, double life, const double c[3], double j[3][3]) {
   const scree_shards_view* v = rule->view;
   for (uint32_t p = 0; p < v->links[l].polygon_count; ++p) {

@@ -220,7 +220,9 @@ static void deleted_mesh_is_let_go(void** state) {
   assert_true(edit_cliff_time(&b.edit, 2));
   b.edit.field = 1;
   b.edit.node = b.scene.fields[1].support->children[1];
+  assert_int_equal(b.edit.cliff.mesh_count, 1);
   assert_true(edit_delete(&b.edit));
+  assert_int_equal(b.edit.cliff.mesh_count, 0);
   b.edit.field = 0;
   assert_true(edit_cliff_time(&b.edit, 1));
   assert_int_equal(b.scene.fields[0].cliff.time, 1);

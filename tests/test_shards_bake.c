@@ -555,7 +555,7 @@ static void what_cannot_be_baked_is_said(void** state) {
   REFUSED(recipe.input.radius = -1, RANGE, "input.radius: expected a number from");
   REFUSED((recipe.lattice_per_metre = 4096, recipe.input.radius = 40), RANGE, "lattice_per_metre: 4096 steps a metre are too fine");
   REFUSED(recipe.input.radius = 1e5, RANGE, "does not fit on the lattice");
-  REFUSED((recipe.input.radius = 6000, recipe.path_count = 1), RANGE, "at most 4096 metres from its centre of mass");
+  REFUSED((recipe.input.radius = 6000, recipe.path_count = 1), RANGE, "every block have to lie within 4096 metres");
   REFUSED((recipe.path_count = 0, recipe.share_count = 1, recipe.shares[0] = 0.5, recipe.max_paths = 10), RANGE,
           "shares[0]: 0.5 is not reached in max_paths");
   REFUSED((recipe.path_count = 0, recipe.share_count = 1, recipe.shares[0] = 0.99, recipe.max_paths = 3000,

@@ -220,7 +220,8 @@ typedef struct scree_rubble_desc {
   const float* heights; /* NULL, or of ground around: as scree_solid_from_heights, centred on x = z = 0; made for gravity -Y */
   uint32_t width, depth;
   double spacing;
-  double resolution; /* width of a dexel; 0 = a third of the cube root of the mean shard's volume, or what makes 2^24 */
+  double resolution; /* width of a dexel; 0 = a third of the cube root of the mean shard's volume, up to four times as wide where
+                        there are too many */
   double repose;     /* tangent of the angle of repose of a heap, 0..100; 0 = 0.7 */
   double min_volume; /* smaller blocks are not kept: dust */
   double share;      /* of blocks that are kept, by a hash; the others are carried away; 0..1, 0 = none is kept */
