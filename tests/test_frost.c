@@ -128,7 +128,7 @@ static void states_are_the_twins_on_voronoi_shards(void** state) {
     scree_shards_get(shards, &v);
     scree_frost_rules rules;
     random_frost_rules(&stream, &rules);
-    if (round % 4 >= 2) random_strength(&stream, &rules);
+    if (round % 4 != 0) random_strength(&stream, &rules);
     uint8_t states[512] = {0};
     assert_true(v.shard_count <= sizeof states);
     for (uint32_t s = 0; s < v.shard_count && round % 2 == 1; ++s)
