@@ -35,7 +35,8 @@ static void second_moments(const stability_twin* rule, uint32_t l, double life, 
         f[a] = t[2][a] - t[0][a];
       }
       const double n[3] = {e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]};
-      const double area = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]) / 2;
+      double area = 0; /* below 0 in the hollows of a polygon */
+      for (int k = 0; k < 3; ++k) area += n[k] * v->links[l].normal[k] / 2;
       for (int m = 0; m < 3; ++m) {
         double x[3], square = 0;
         for (int a = 0; a < 3; ++a) {
