@@ -4,7 +4,10 @@
 
 #include <scree/base.h>
 
-/* "name: value: what". error: may be NULL. Returns RANGE. */
+/* Adds "value: what" to what an error says. error: may be NULL, as below. Returns RANGE. */
+scree_result fault_add(scree_error* error, double value, const char* what);
+
+/* "name: value: what". Returns RANGE. */
 scree_result fault_value(scree_error* error, const char* name, double value, const char* what);
 
 /* False for what is not a number, too. */

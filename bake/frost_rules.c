@@ -51,10 +51,7 @@ static void say_place(scree_error* error, place at) {
 
 static scree_result wrong(scree_error* error, place at, double value, const char* what) {
   say_place(error, at);
-  scree_rt_text_add_number(error, value);
-  scree_rt_text_add(error, ": ");
-  scree_rt_text_add(error, what);
-  return SCREE_ERROR_RANGE;
+  return fault_add(error, value, what);
 }
 
 static scree_result missing(scree_error* error, const char* name, const char* what) {

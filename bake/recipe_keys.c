@@ -14,7 +14,8 @@ typedef struct recipe_reader {
   scree_error* error;
 } recipe_reader;
 
-const recipe_key* recipe_find(const recipe_key* keys, const char* name) {
+/* keys: may be NULL. */
+static const recipe_key* find(const recipe_key* keys, const char* name) {
   for (; keys != NULL && keys->name != NULL; ++keys)
     if (strcmp(keys->name, name) == 0) return keys;
   return NULL;
@@ -184,8 +185,8 @@ static scree_result read_members(const recipe_reader* r, const recipe_key* keys,
   const bool is_listed = alone != NULL && cJSON_GetObjectItemCaseSensitive(object, alone->name) != NULL;
   scree_result result = SCREE_OK;
   for (const cJSON* item = object->child; item != NULL && result == SCREE_OK; item = item->next) {
-    const recipe_key *key = recipe_find(keys, item->string), *inner = NULL;
-    if (key == NULL && alone != NULL) inner = recipe_find(alone->members, item->string);
+    const recipe_key *key = find(keys, item->string), *inner = NULL;
+    if (key == NULL && alone != NULL) inner = find(alone->members, item->string);
     const recipe_place member = recipe_inside(at, item->string);
     result = recipe_check_member(object, item, &member, key != NULL || inner != NULL, r->error);
     if (result == SCREE_OK && inner != NULL && is_listed) {
@@ -196,7 +197,7 @@ static scree_result read_members(const recipe_reader* r, const recipe_key* keys,
       result = read_value(r, key != NULL ? key : inner, &member, item, key != NULL ? base : item_of(alone, base, 0));
   }
   for (const cJSON* item = object->child; item != NULL && result == SCREE_OK; item = item->next) {
-    const recipe_key* key = recipe_find(keys, item->string);
+    const recipe_key* key = find(keys, item->string);
     const recipe_place member = recipe_inside(at, item->string);
     if (key != NULL) result = check_belongs(keys, key, &member, base, r->error);
   }
@@ -242,7 +243,7 @@ static scree_result read_object(const recipe_reader* r, const recipe_key* key, c
                                 void* field) {
   const char* from = key->blank;
   if (from == NULL) {
-    const bool is_rule = recipe_find(r->table->rules, key->name) == key;
+    const bool is_rule = find(r->table->rules, key->name) == key;
     from = r->plain + (is_rule ? r->table->rules_at : 0) + key->offset;
   }
   reset_members(key->members, field, from);
@@ -289,7 +290,7 @@ static scree_result read_phase(const recipe_reader* r, const recipe_key* key, co
   uint32_t moments = 0;
   for (const cJSON* item = value->child; item != NULL; item = item->next) {
     const recipe_place member = recipe_inside(at, item->string);
-    const recipe_key *moment = recipe_find(key->members, item->string), *rule = recipe_find(r->table->rules, item->string);
+    const recipe_key *moment = find(key->members, item->string), *rule = find(r->table->rules, item->string);
     scree_result result = recipe_check_member(value, item, &member, moment != NULL || rule != NULL, r->error);
     if (result == SCREE_OK)
       result = read_value(r, moment != NULL ? moment : rule, &member, item, moment != NULL ? out : rules_of(r->table, out));
@@ -376,7 +377,7 @@ static scree_result read_value(const recipe_reader* r, const recipe_key* key, co
 /* A key of the recipe or of its rules. */
 static scree_result read_top(const recipe_reader* r, const char* name, const cJSON* value, void* out) {
   const recipe_table* table = r->table;
-  const recipe_key *key = recipe_find(table->keys, name), *rule = recipe_find(table->rules, name);
+  const recipe_key *key = find(table->keys, name), *rule = find(table->rules, name);
   const recipe_place at = recipe_inside(&top, name);
   if (key == NULL && rule == NULL) {
     recipe_say(r->error, "%.60s: unknown key", name);
@@ -385,7 +386,7 @@ static scree_result read_top(const recipe_reader* r, const char* name, const cJS
   const scree_result result =
       key != NULL ? read_value(r, key, &at, value, out) : read_value(r, rule, &at, value, (char*)out + table->rules_at);
   for (uint32_t i = 0; i < 2 && result == SCREE_OK && table->either[0] != NULL; ++i)
-    if (strcmp(name, table->either[i]) == 0) *count_of(recipe_find(table->keys, table->either[1 - i]), out) = 0;
+    if (strcmp(name, table->either[i]) == 0) *count_of(find(table->keys, table->either[1 - i]), out) = 0;
   return result;
 }
 
@@ -433,9 +434,9 @@ static scree_result set_key(const recipe_reader* r, char* name, const cJSON* val
   if (dot == NULL) return read_top(r, name, value, out);
   const recipe_place at = recipe_inside(&top, name);
   *dot = '\0';
-  const recipe_key *key = recipe_find(r->table->keys, name), *rule = recipe_find(r->table->rules, name);
+  const recipe_key *key = find(r->table->keys, name), *rule = find(r->table->rules, name);
   const recipe_key* object = key != NULL ? key : rule;
-  const recipe_key* member = object != NULL && object->kind == RECIPE_OBJECT ? recipe_find(object->members, dot + 1) : NULL;
+  const recipe_key* member = object != NULL && object->kind == RECIPE_OBJECT ? find(object->members, dot + 1) : NULL;
   if (member == NULL) {
     recipe_say(r->error, "%s: unknown key", at.text);
     return SCREE_ERROR_SYNTAX;
@@ -683,7 +684,7 @@ static void write_line(recipe_writer* out, const recipe_table* table, const reci
 /* Of either of two lists, the one that is not there. */
 static bool is_left_out(const recipe_table* table, const recipe_key* key, const void* recipe) {
   if (table->either[0] == NULL) return false;
-  const bool has_first = *count_of(recipe_find(table->keys, table->either[0]), recipe) > 0;
+  const bool has_first = *count_of(find(table->keys, table->either[0]), recipe) > 0;
   return strcmp(key->name, table->either[has_first ? 1 : 0]) == 0;
 }
 

@@ -76,7 +76,4 @@ scree_result recipe_check_keys(const recipe_table* table, const void* recipe, sc
 /* Returns the length, of which at most `capacity` are written. */
 size_t recipe_write(const recipe_table* table, const void* recipe, char* text, size_t capacity);
 
-/* The key of that name, or NULL. */
-const recipe_key* recipe_find(const recipe_key* keys, const char* name);
-
 #endif

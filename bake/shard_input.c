@@ -23,15 +23,6 @@ static scree_result tell(scree_result result, const scree_error* fault, scree_er
   return result;
 }
 
-scree_result shard_tell_input(const scree_shard_recipe* recipe, scree_result result, const scree_error* fault, scree_error* error) {
-  const scree_shard_shape shape = recipe->input.shape;
-  const bool is_file = shape == SCREE_SHARD_MESH || shape == SCREE_SHARD_TERRAIN || shape == SCREE_SHARD_HOODOO;
-  const char* file = is_file ? recipe->input.file : "";
-  if (result != SCREE_OK && fault->message[0] != '\0')
-    recipe_say(error, "input: %.200s%s%.400s", file, file[0] != '\0' ? ": " : "", fault->message);
-  return result;
-}
-
 static scree_result make_box(const scree_shard_input* input, const scree_allocator* allocator, scree_solid_memory* out,
                              scree_error* error) {
   static const uint32_t quads[6][4] = {{0, 2, 6, 4}, {1, 5, 7, 3}, {0, 4, 5, 1}, {2, 3, 7, 6}, {0, 1, 3, 2}, {4, 6, 7, 5}};

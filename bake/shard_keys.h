@@ -11,7 +11,4 @@ extern const recipe_table shard_table;
 /* Every key in its range, and the rules that span keys, for recipes that did not come from JSON. */
 scree_result shard_check_all(const scree_shard_recipe* recipe, scree_error* error);
 
-/* Puts the key, and the file where there is one, before what is wrong with the solid. Returns `result`. */
-scree_result shard_tell_input(const scree_shard_recipe* recipe, scree_result result, const scree_error* fault, scree_error* error);
-
 #endif

@@ -19,10 +19,22 @@ static scree_result tell(scree_result result, const char* where, const scree_err
   return result;
 }
 
+/* Puts the key, and the file where there is one, before what is wrong with the solid. */
+static scree_result tell_input(const scree_shard_recipe* recipe, scree_result result, const scree_error* fault,
+                               scree_error* error) {
+  const scree_shard_shape shape = recipe->input.shape;
+  const bool is_file = shape == SCREE_SHARD_MESH || shape == SCREE_SHARD_TERRAIN || shape == SCREE_SHARD_HOODOO;
+  const char* file = is_file ? recipe->input.file : "";
+  if (result != SCREE_OK && fault->message[0] != '\0')
+    recipe_say(error, "input: %.200s%s%.400s", file, file[0] != '\0' ? ": " : "", fault->message);
+  return result;
+}
+
 /* Packs keep the solid's own triangles: walls cut by themselves only where each plane is one triangle. */
 static scree_result choose_clip(const scree_shard_desc* desc, const scree_solid* solid, scree_clip* clip) {
   *clip = desc->recipe->clip;
   if (*clip != SCREE_CLIP_AUTO) return SCREE_OK;
+  if (!convex_walls_possible(solid->positions, solid->vertex_count, solid->indices, solid->triangle_count)) return SCREE_OK;
   const scree_allocator allocator = scree_rt_allocator_or_default(&desc->allocator);
   convex_walls walls;
   const scree_result result =
@@ -85,7 +97,7 @@ static scree_result split(shard_weather* weather, const scree_solid* solid,
   result = scree_shards_create(&shards, &weather->shards, &fault);
   scree_seeds_free(&desc->allocator, seeds, count);
   if (result == SCREE_ERROR_UNSUPPORTED) result = SCREE_ERROR_INVALID_ARGUMENT; /* of this solid, not by this build */
-  return shard_tell_input(recipe, result, &fault, error);
+  return tell_input(recipe, result, &fault, error);
 }
 
 scree_result shard_weather_create(const scree_shard_desc* desc, bool (*progress)(void* user, const char* stage, double done),

@@ -38,10 +38,7 @@ static scree_result wrong_at(scree_error* error, const char* array, uint32_t ind
   scree_rt_text_add(error, "].");
   scree_rt_text_add(error, name);
   scree_rt_text_add(error, ": ");
-  scree_rt_text_add_number(error, value);
-  scree_rt_text_add(error, ": ");
-  scree_rt_text_add(error, what);
-  return SCREE_ERROR_RANGE;
+  return fault_add(error, value, what);
 }
 
 static scree_result missing(scree_error* error, const char* what) {
