@@ -144,7 +144,7 @@ typedef struct scree_shard_recipe {
   uint64_t random_seed; /* 0..2^53 */
   scree_shard_input input;
   scree_shard_seeds seeds;
-  scree_clip clip;
+  scree_clip clip;   /* AUTO: walls only where no two triangles share a plane, for packs keep the solid's own */
   double link_angle; /* of scree_shards_desc, > 0 */
   scree_shard_images images;
   scree_shard_rules rules;
