@@ -18,15 +18,15 @@ static void reseal(uint8_t* bytes, size_t size) {
   memcpy(&header, bytes, sizeof header);
   if (header.section_count <= (size - sizeof header) / sizeof(pack_section)) {
     const pack_section* table = (const pack_section*)(const void*)(bytes + sizeof header);
-    const pack_section* sections[PACK_SECTION_KINDS] = {NULL};
-    uint32_t found = 0;
+    /* A pack of this kind may lack some: what is to find that out comes before the digest. */
+    const pack_section none = {0};
+    const pack_section* sections[PACK_SECTION_KINDS];
+    for (uint32_t kind = 0; kind < PACK_SECTION_KINDS; ++kind) sections[kind] = &none;
     for (uint32_t i = 0; i < header.section_count; ++i)
-      if (table[i].kind >= 1 && table[i].kind <= PACK_SECTION_KINDS && sections[table[i].kind - 1] == NULL) {
+      if (table[i].kind >= 1 && table[i].kind <= PACK_SECTION_KINDS && sections[table[i].kind - 1] == &none)
         sections[table[i].kind - 1] = &table[i];
-        ++found;
-      }
     header.table_digest = scree_rt_pack_bytes_digest(table, header.section_count * sizeof *table);
-    if (found == scree_rt_pack_kinds(&header)) header.pack_digest = scree_rt_pack_digest(&header, sections);
+    header.pack_digest = scree_rt_pack_digest(&header, sections);
   }
   header.header_check = scree_rt_pack_header_check(&header);
   memcpy(bytes, &header, sizeof header);
